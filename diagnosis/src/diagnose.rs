@@ -3,12 +3,13 @@
 use rand_pcg::Pcg64;
 
 use crate::evidence::Evidence;
-use crate::finding::{Candidate, Diagnosis, Finding};
+use crate::finding::{Alone, Candidate, Diagnosis, Finding, Reported};
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::gain::{self, Gain};
 use crate::kind::Kind;
 use crate::policy::POLICY;
+use crate::report;
 use crate::settings::Settings;
 use crate::stages::add::{self, Added};
 use crate::stages::exchange::{exchange, one_for_two};
@@ -30,11 +31,11 @@ pub fn diagnose(
 ) -> Option<Diagnosis> {
     progress("fitting the model as it is");
     let view = View::new(kind, settings);
-    let stated = Search::new(&view, settings, progress, false)?;
+    let stated = Search::new(&view, settings, progress, None)?;
     let Some(seen) = stated.rescaled(&view) else {
         return Some(stated.conclude(&view));
     };
-    let search = Search::new(&seen, settings, progress, true)?;
+    let search = Search::new(&seen, settings, progress, Some(stated.told()))?;
     // Readings that scatter independently are no fault of the model: jumps of a robot are never
     // quite the same.
     let judged_by = if fitness::is_white(&seen, &search.added.model) {
@@ -62,9 +63,10 @@ impl<'a> Search<'a> {
         kind: &'a dyn Kind,
         settings: &'a Settings,
         progress: &'a (dyn Fn(&str) + Sync),
-        is_rescaled: bool,
+        told: Option<Vec<usize>>,
     ) -> Option<Search<'a>> {
-        let evidence = Evidence::new(kind, settings, progress, is_rescaled);
+        let mut evidence = Evidence::new(kind, settings, progress, told.is_some());
+        evidence.hints = told.unwrap_or_default();
         let mut random = Pcg64::new(u128::from(settings.seed), 7);
         let before = fit::fit_none(kind, &evidence.runs)?;
         let added = add::forward(&evidence, &before, &mut random)?;
@@ -74,6 +76,16 @@ impl<'a> Search<'a> {
             added,
             random,
         })
+    }
+
+    /// Causes that alone told much, or were found on the way.
+    fn told(&self) -> Vec<usize> {
+        let tried = &self.added.tried;
+        let best = tried.iter().map(|c| c.gain).fold(0.0, f64::max);
+        let much = tried.iter().filter(|c| c.gain > POLICY.gain_of_far * best);
+        let mut all: Vec<usize> = much.map(|c| c.cause).collect();
+        all.extend(&self.added.richest.causes);
+        all
     }
 
     /// The experiment with the observed scatter; none where that is about the stated noise.
@@ -108,6 +120,8 @@ impl<'a> Search<'a> {
         self.evidence.says("data left out");
         Diagnosis {
             findings,
+            common: self.common(&judged),
+            alone: self.alone(&judged.model, &tried),
             unknown: judged.unknown,
             small,
             term: judged.term,
@@ -182,6 +196,27 @@ impl<'a> Search<'a> {
             }
         }
         findings
+    }
+
+    /// What nobody knows of the machine, as `judged` has it.
+    fn common(&self, judged: &Judged) -> Vec<Reported> {
+        let (kind, before) = (self.evidence.kind, &self.before);
+        let of = |cause| {
+            let mut one = Candidate::new(kind, cause, before, judged.model.clone());
+            report::report(kind, &mut one, judged.inflation, false);
+            one.reported
+        };
+        (0..kind.common()).flat_map(of).collect()
+    }
+
+    /// Of several causes, the best alone.
+    fn alone(&self, after: &Fit, tried: &[Candidate]) -> Option<Alone> {
+        let cause = tried.first().filter(|_| after.causes.len() > 1)?.clone();
+        let gains = self.gains(&cause.fit);
+        Some(Alone {
+            rms: gains.into_iter().map(|gain| gain.rms.1).collect(),
+            cause,
+        })
     }
 
     /// What the causes are worth on data left out, channel by channel.

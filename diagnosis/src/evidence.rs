@@ -45,6 +45,8 @@ pub(crate) struct Evidence<'a> {
     progress: &'a (dyn Fn(&str) + Sync),
     /// Whether the observed scatter has taken the place of the stated noise.
     pub(crate) is_rescaled: bool,
+    /// Causes that told much in an earlier search, and are fitted whatever their scores.
+    pub(crate) hints: Vec<usize>,
     /// Indices of all runs.
     pub(crate) runs: Vec<usize>,
     folds: Vec<Fold>,
@@ -68,6 +70,7 @@ impl<'a> Evidence<'a> {
             settings,
             progress,
             is_rescaled,
+            hints: Vec::new(),
             runs: (0..kind.logs().len()).collect(),
             folds: folds(kind, settings),
             discrepancy: Discrepancy::new(kind),
@@ -82,9 +85,19 @@ impl<'a> Evidence<'a> {
         (self.progress)(what);
     }
 
+    /// How many causes may be at work at a time.
+    pub(crate) fn most(&self) -> usize {
+        self.settings.most.unwrap_or(self.kind.most())
+    }
+
+    /// Whether the machine has so many parts that the model as it is lacks several causes at once.
+    pub(crate) fn lacks_several(&self) -> bool {
+        self.most() > POLICY.many_causes
+    }
+
     /// Listed causes that `model` does not have.
     pub(crate) fn absent(&self, model: &Fit) -> Vec<usize> {
-        (0..self.kind.listed())
+        (self.kind.common()..self.kind.listed())
             .filter(|cause| !model.causes.contains(cause))
             .collect()
     }
@@ -156,10 +169,36 @@ impl<'a> Evidence<'a> {
         self.runs.iter().flat_map(of).collect()
     }
 
+    /// By how much the loss falls from `before` to `after` in units of what it is worth: that of each
+    /// channel by the variance inflation of what `after` leaves there, `least` at least. So it is in
+    /// an F test: what `before` leaves has the effect in it.
+    pub(crate) fn judged_gain(&self, before: &Fit, after: &Fit, least: f64) -> f64 {
+        let losses = [before, after].map(|model| {
+            let mut losses = vec![0.0; self.kind.channels().len()];
+            for (run, log) in self.kind.logs().iter().enumerate() {
+                let unknowns = &model.unknowns[run];
+                let residuals = fit::residuals(self.kind, run, &model.terms, unknowns);
+                for (reading, r) in log.readings.iter().zip(residuals.unwrap_or_default()) {
+                    losses[reading.channel] += fit::huber(r);
+                }
+            }
+            losses
+        });
+        let inflations = fitness::inflations(self.kind, after);
+        let each = losses[0].iter().zip(&losses[1]).zip(inflations);
+        each.map(|((before, after), inflation)| (before - after) / inflation.max(least))
+            .sum()
+    }
+
     /// Whether residuals with this variance inflation are correlated, so that runs must be
     /// compared and not readings.
     pub(crate) fn is_correlated(&self, inflation: f64) -> bool {
         self.is_rescaled || inflation > POLICY.correlated_inflation
+    }
+
+    /// Whether whole runs are left out in turn, each of which tells of the others.
+    pub(crate) fn has_runs(&self) -> bool {
+        self.folds.len() > 1 && self.folds.iter().all(|fold| fold.masks.is_none())
     }
 
     /// Whether a parameter of `cause` has gone as far as physics allows.

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::mechanism::Mechanism;
+
 /// A kind of experiment: what was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sort {
@@ -25,6 +27,12 @@ pub enum Sort {
     Pendulum,
     /// The robot runs: many strides, every leg.
     Run,
+    /// Legs driven by pneumatic muscles from a tank of the robot's own.
+    TankLeg,
+    /// A walker with two straight legs.
+    Walk,
+    /// A machine that a file describes.
+    Machine,
 }
 
 /// Runs of one kind, with what is known of their noise.
@@ -38,6 +46,8 @@ pub struct Experiment {
     pub noise: Vec<Option<f64>>,
     /// Step of each column that is quantised, where known.
     pub resolution: Vec<Option<f64>>,
+    /// The machine that was measured, where a file describes it.
+    pub mechanism: Option<Mechanism>,
     /// The runs.
     pub runs: Vec<Run>,
 }

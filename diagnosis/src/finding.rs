@@ -113,11 +113,23 @@ pub struct Small {
     pub causes: Vec<Candidate>,
 }
 
+/// The cause that explains most by itself, where several were found.
+#[derive(Clone, Debug)]
+pub struct Alone {
+    /// The cause.
+    pub cause: Candidate,
+    /// What the model with it leaves of each channel on data left out, root mean square (the
+    /// channel's unit).
+    pub rms: Vec<f64>,
+}
+
 /// What the data say.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
     /// The causes, the most telling first.
     pub findings: Vec<Finding>,
+    /// What nobody knows of the machine, and is the same in all runs, as it is estimated beside them.
+    pub common: Vec<Reported>,
     /// Something that is wrong beyond them.
     pub unknown: Option<Unknown>,
     /// Where nothing is wrong, what is visible nevertheless.
@@ -127,6 +139,8 @@ pub struct Diagnosis {
     pub term: Option<Candidate>,
     /// Every cause alone, the best first.
     pub tried: Vec<Candidate>,
+    /// Where several causes were found, the best of them alone.
+    pub alone: Option<Alone>,
     /// The model as it is.
     pub before: Fit,
     /// The model with all findings.

@@ -417,6 +417,11 @@ impl<'a> Problem<'a> {
             .zip(x.iter().zip(slope.iter()))
             .map(|(p, (x, s))| (*x <= p.bounds.0 && *s < 0.0) || (*x >= p.bounds.1 && *s > 0.0))
             .collect();
+        let blocks: Vec<usize> = self
+            .runs
+            .iter()
+            .map(|run| self.fit.unknowns[*run].len())
+            .collect();
         for _ in 0..10 {
             let (mut damped, mut slope) = (matrix.clone(), slope.clone());
             for i in 0..x.len() {
@@ -428,7 +433,7 @@ impl<'a> Problem<'a> {
                     slope[i] = 0.0;
                 }
             }
-            let Some(step) = damped.clone().cholesky().map(|c| c.solve(&slope)) else {
+            let Some(step) = arrow(&damped, &slope, self.shared.len(), &blocks) else {
                 *damping *= 10.0;
                 continue;
             };
@@ -453,11 +458,45 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Every parameter of `causes`, in turn.
+/// Solves A x = b of a positive A that is an arrow: after the first `shared` rows, only blocks of
+/// these sizes along the diagonal, as no run depends on what is unknown of another one. None where A
+/// is not positive.
+fn arrow(
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+    shared: usize,
+    blocks: &[usize],
+) -> Option<DVector<f64>> {
+    let mut head = a.view((0, 0), (shared, shared)).into_owned();
+    let mut right = b.rows(0, shared).into_owned();
+    let mut solved = Vec::with_capacity(blocks.len());
+    let mut at = shared;
+    for &size in blocks {
+        let block = a.view((at, at), (size, size)).into_owned().cholesky()?;
+        let beside = a.view((at, 0), (size, shared));
+        let (own, by_head) = (block.solve(&b.rows(at, size)), block.solve(&beside));
+        head -= beside.transpose() * &by_head;
+        right -= beside.transpose() * &own;
+        solved.push((own, by_head));
+        at += size;
+    }
+    let x = head.cholesky()?.solve(&right);
+    let mut all = DVector::zeros(a.nrows());
+    all.rows_mut(0, shared).copy_from(&x);
+    let mut at = shared;
+    for (own, by_head) in solved {
+        let rest = own - by_head * &x;
+        all.rows_mut(at, rest.len()).copy_from(&rest);
+        at += rest.len();
+    }
+    Some(all)
+}
+
+/// Every parameter that all runs share: what nobody knows, then those of `causes`, in turn.
 pub(crate) fn parameters_of(kind: &dyn Kind, causes: &[usize]) -> Vec<(usize, usize)> {
-    causes
-        .iter()
-        .flat_map(|&c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
+    (0..kind.common())
+        .chain(causes.iter().copied())
+        .flat_map(|c| (0..kind.causes()[c].parameters.len()).map(move |p| (c, p)))
         .collect()
 }
 
@@ -541,36 +580,65 @@ pub(crate) fn fit_if(
             starts.push(parameters.iter().map(of).collect());
         }
     }
-    fit_from(kind, base, cause, runs, starts, enough)
+    let mut from: Vec<Fit> = starts.iter().map(|s| begun(base, cause, s)).collect();
+    from.extend(shared_out(kind, base, cause, runs));
+    fit_from(kind, base, from, runs, enough)
+}
+
+/// `base` with `cause` at `values`.
+fn begun(base: &Fit, cause: usize, values: &[f64]) -> Fit {
+    let mut from = base.clone();
+    from.causes.push(cause);
+    for (p, value) in values.iter().enumerate() {
+        from.terms.set(cause, p, *value);
+    }
+    from
+}
+
+/// Where `base` leaves much, starts at which `cause` has taken over half of what the last one did:
+/// two causes that do nearly the same lie along a valley, in which small steps do not get far.
+fn shared_out(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Vec<Fit> {
+    let readings: usize = runs
+        .iter()
+        .map(|run| kind.logs()[*run].readings.len())
+        .sum();
+    let Some(last) = base.causes.last() else {
+        return Vec::new();
+    };
+    let [old, new] = [*last, cause].map(|c| &kind.causes()[c]);
+    let is_one = [old, new]
+        .iter()
+        .all(|c| c.parameters.len() == 1 && !c.is_apart());
+    if !is_one || base.loss < POLICY.poor_fit * readings as f64 {
+        return Vec::new();
+    }
+    let neutral = old.parameters[0].neutral;
+    let half = neutral + 0.5 * (base.terms.get(*last, 0) - neutral);
+    let start = |value: &f64| {
+        let mut from = begun(base, cause, &[*value]);
+        from.terms.set(*last, 0, half);
+        from
+    };
+    new.parameters[0].starts.iter().map(start).collect()
 }
 
 /// Fits `base` with `cause` added, from wherever physics lets it be: small steps from none need not
 /// lead to where it explains most.
 pub(crate) fn fit_far(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
-    fit_from(kind, base, cause, runs, kind.causes()[cause].ladder(), 0.0)
+    let starts = kind.causes()[cause].ladder();
+    let from = starts.iter().map(|s| begun(base, cause, s)).collect();
+    fit_from(kind, base, from, runs, 0.0)
 }
 
-/// Fits `base` with `cause` added from each of `starts`; none where the first steps do not gain
-/// `enough`.
+/// Fits each of `from`, which are `base` with one cause more, and gives the best; none where the
+/// first steps do not gain `enough`.
 fn fit_from(
     kind: &dyn Kind,
     base: &Fit,
-    cause: usize,
+    mut from: Vec<Fit>,
     runs: &[usize],
-    starts: Vec<Vec<f64>>,
     enough: f64,
 ) -> Option<Fit> {
-    let mut from: Vec<Fit> = starts
-        .into_iter()
-        .map(|start| {
-            let mut from = base.clone();
-            from.causes.push(cause);
-            for (p, value) in start.iter().enumerate() {
-                from.terms.set(cause, p, *value);
-            }
-            from
-        })
-        .collect();
     if from.len() > MOST_STARTS {
         // The best as they are.
         let loss =
@@ -619,6 +687,33 @@ mod tests {
         for r in [-20.0, -HUBER, -1.0, 0.5, HUBER - 1e-3, HUBER + 1e-3, 50.0] {
             assert!((slope(r) - 2.0 * weight(r) * r).abs() < 1e-5, "{r}");
             assert_eq!(huber(r), huber(-r));
+        }
+    }
+
+    #[test]
+    fn an_arrow_is_solved_as_any_matrix() {
+        let blocks = [2, 0, 3, 1];
+        for shared in [0, 1, 3] {
+            let n = shared + blocks.iter().sum::<usize>();
+            let owner = |i: usize| {
+                let mut end = shared;
+                let within = |size: &usize| {
+                    end += size;
+                    i < end
+                };
+                (i >= shared).then(|| blocks.iter().position(within))
+            };
+            let entry = |i: usize, j: usize| match (owner(i), owner(j)) {
+                _ if i == j => 5.0 + i as f64,
+                (Some(a), Some(b)) if a != b => 0.0,
+                _ => ((i * j + i + j) as f64).sin(),
+            };
+            let a = DMatrix::from_fn(n, n, entry);
+            let b = DVector::from_fn(n, |i, _| (i as f64).cos());
+            let whole = a.clone().cholesky().expect("positive").solve(&b);
+            let parts = arrow(&a, &b, shared, &blocks).expect("positive");
+            assert!((whole - parts).amax() < 1e-13);
+            assert!(arrow(&-a, &b, shared, &blocks).is_none());
         }
     }
 

@@ -512,9 +512,14 @@ fn repeating(parts: &[Vec<[f64; SHAPES]>], signs: &[f64]) -> f64 {
     .sum()
 }
 
-/// Variance inflation of what `model` leaves: the greatest over channels of variance times
-/// correlation time, at least 1.
+/// Variance inflation of what `model` leaves: the greatest over channels.
 pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
+    inflations(kind, model).into_iter().fold(1.0, f64::max)
+}
+
+/// Variance inflation of what `model` leaves of each channel: variance times correlation time, at
+/// least 1.
+pub(crate) fn inflations(kind: &dyn Kind, model: &Fit) -> Vec<f64> {
     // Outliers are cut; what is off by less than that everywhere is not made of outliers.
     let raw = raw_residuals(kind, model);
     let mut sizes: Vec<f64> = raw.iter().map(|r| r.abs()).collect();
@@ -526,7 +531,7 @@ pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
         let these = all.iter().filter(|s| s.channel == channel);
         series::inflation(&these.map(|s| s.of(&residuals)).collect::<Vec<_>>())
     };
-    (0..kind.channels().len()).map(of).fold(1.0, f64::max)
+    (0..kind.channels().len()).map(|c| of(c).max(1.0)).collect()
 }
 
 #[cfg(test)]

@@ -1,38 +1,45 @@
 //! Data left out in turn.
 
 use crate::fit::Mask;
-use crate::kind::Kind;
+use crate::kind::{Kind, Log};
 use crate::settings::Settings;
 
 /// Readings that are left out together.
 pub(crate) struct Fold {
-    /// Runs that are left out whole; none where a block of the only run is.
+    /// Runs that are left out whole, or of which a block is.
     pub runs: Vec<usize>,
     /// What is fitted to, and what is predicted, where it is a block.
     pub masks: Option<(Mask, Mask)>,
 }
 
-/// Every run left out once, ten at most together with others; or where there is one run, every
-/// block of it.
+/// Every run left out once with those of its group, ten groups at most together with others; or where there is one run, or each is
+/// of a machine of its own, every block of each.
 pub(crate) fn folds(kind: &dyn Kind, settings: &Settings) -> Vec<Fold> {
     let logs = kind.logs();
-    if logs.len() > 1 {
-        let most = logs.len().min(10);
+    let mut groups: Vec<usize> = (0..logs.len()).map(|run| kind.group(run)).collect();
+    groups.dedup();
+    if groups.len() > 1 && !kind.is_apart() {
+        let most = groups.len().min(10);
+        let fold_of = |run: usize| groups.iter().position(|own| *own == kind.group(run));
+        let in_fold = |run: &usize, fold| fold_of(*run).is_some_and(|place| place % most == fold);
         return (0..most)
             .map(|fold| Fold {
-                runs: (0..logs.len()).filter(|run| run % most == fold).collect(),
+                runs: (0..logs.len()).filter(|run| in_fold(run, fold)).collect(),
                 masks: None,
             })
             .collect();
     }
-    let n = logs.first().map_or(0, |log| log.readings.len()).max(1);
     (0..settings.blocks)
         .map(|fold| {
-            let inside: Vec<bool> = (0..n).map(|i| i * settings.blocks / n == fold).collect();
-            let outside = inside.iter().map(|x| !x).collect();
+            let inside_of = |log: &Log| -> Vec<bool> {
+                let n = log.readings.len().max(1);
+                (0..n).map(|i| i * settings.blocks / n == fold).collect()
+            };
+            let inside: Vec<Vec<bool>> = logs.iter().map(inside_of).collect();
+            let outside = inside.iter().map(|of| of.iter().map(|x| !x).collect());
             Fold {
-                runs: Vec::new(),
-                masks: Some((Some(vec![outside]), Some(vec![inside]))),
+                runs: (0..logs.len()).collect(),
+                masks: Some((Some(outside.collect()), Some(inside))),
             }
         })
         .collect()

@@ -45,24 +45,21 @@ fn without(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Fit> {
             let fitted = fit::refit(kind, model.clone(), &train, &None, STEPS)?;
             fit::refit_unknowns(kind, &fitted, &fold.runs, &None)
         }
-        Some((train, _)) => fit::refit(kind, model.clone(), &[0], train, 8 * STEPS),
+        Some((train, _)) => fit::refit(kind, model.clone(), &fold.runs, train, 8 * STEPS),
     }
 }
 
 fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
     let fitted = without(kind, model, fold)?;
-    let (runs, mask) = match &fold.masks {
-        None => (fold.runs.clone(), &None),
-        Some((_, test)) => (vec![0], test),
-    };
+    let mask = fold.masks.as_ref().and_then(|(_, test)| test.as_ref());
     let mut score = Score {
         loss: 0.0,
         squares: vec![(0.0, 0.0); kind.channels().len()],
     };
-    for run in runs {
+    for &run in &fold.runs {
         let residuals = fit::residuals(kind, run, &fitted.terms, &fitted.unknowns[run])?;
         for (i, (reading, r)) in kind.logs()[run].readings.iter().zip(residuals).enumerate() {
-            if mask.as_ref().is_none_or(|m| m[run][i]) {
+            if mask.is_none_or(|m| m[run][i]) {
                 score.loss += fit::huber(r);
                 let sum = &mut score.squares[reading.channel];
                 sum.0 += (r * fit::scatter(kind, reading)).powi(2);

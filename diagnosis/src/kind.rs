@@ -250,6 +250,28 @@ pub trait Kind: Sync {
     /// What could be wrong.
     fn causes(&self) -> &[Cause];
 
+    /// How many of the causes, the first ones, are none: what nobody knows of the machine, and is
+    /// the same in all runs. Their parameters are part of every model.
+    fn common(&self) -> usize {
+        0
+    }
+
+    /// How many causes may be at work at a time, where nobody says.
+    fn most(&self) -> usize {
+        3
+    }
+
+    /// Whether each run is of a machine of its own, so that none of them tells of another: blocks of
+    /// each are then left out, and not whole runs.
+    fn is_apart(&self) -> bool {
+        false
+    }
+
+    /// Which runs belong together, as parts of one: they are left out together.
+    fn group(&self, run: usize) -> usize {
+        run
+    }
+
     /// How many of the causes have an id; those after them are terms that describe what no listed
     /// cause explains.
     fn listed(&self) -> usize {

@@ -40,10 +40,17 @@ pub struct Policy {
     /// Gain in the score test below which no fit is made. Chosen: 2 σ of one parameter. This and
     /// the next five save fits; the score test itself does not depend on them.
     pub least_score: f64,
+    /// Robust standard deviation of the residuals of a channel (σ) above which all causes are
+    /// fitted, as scores rest on slopes. Real data: of a pendulum without friction that is driven.
+    pub far_off: f64,
     /// So many causes with the greatest scores are fitted. Chosen.
     pub most_fitted: usize,
     /// Part of the best score that a cause of these must reach. Chosen.
     pub score_of_few: f64,
+    /// The same beside others where more than `many_causes` may be at work. Chosen, to save time.
+    pub score_of_few_of_many: f64,
+    /// See `score_of_few_of_many`.
+    pub many_causes: usize,
     /// Part of the best score from which on a cause is fitted whatever its rank. Chosen.
     pub score_of_any: f64,
     /// The same of a cause that cannot be reached in small steps, where the score is rough. Chosen.
@@ -67,6 +74,12 @@ pub struct Policy {
     /// Where residuals are correlated, the part of the misfit that each cause must explain. Real
     /// data.
     pub share_correlated: f64,
+    /// Part of the loss on data left out below which a model with one more cause shows, run by run,
+    /// that what the one before it leaves is no chance. Real data: of a pendulum that is driven.
+    pub far_better: f64,
+    /// Where residuals are correlated, the least part of the loss on data left out that one more cause
+    /// must take. Real data.
+    pub least_part_held_out: f64,
     /// Readings of a channel over which an effect must last to count as one. `MuJoCo`: an event
     /// that comes one row later changes one reading.
     pub lasting_readings: usize,
@@ -161,8 +174,11 @@ pub const POLICY: Policy = Policy {
     unknown_share: 0.2,
     chance_quantile: 0.999,
     least_score: 4.0,
+    far_off: 200.0,
     most_fitted: 14,
     score_of_few: 0.03,
+    score_of_few_of_many: 0.08,
+    many_causes: 3,
     score_of_any: 0.6,
     score_of_apart: 0.1,
     score_of_threshold: 0.5,
@@ -172,6 +188,8 @@ pub const POLICY: Policy = Policy {
     behind_part: 0.02,
     behind_part_correlated: 0.5,
     share_correlated: 0.2,
+    far_better: 0.5,
+    least_part_held_out: 0.01,
     lasting_readings: 5,
 
     pair_gain: 60.0,

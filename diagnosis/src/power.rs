@@ -414,7 +414,7 @@ pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usi
         (cause.id, cause.column.clone(), names.collect::<Vec<_>>())
     };
     let causes = &kind.causes()[..kind.listed()];
-    let first: Vec<usize> = (0..causes.len())
+    let first: Vec<usize> = (kind.common()..causes.len())
         .filter(|k| causes[..*k].iter().all(|c| about(c) != about(&causes[*k])))
         .collect();
     let found = parallel::map(first.len(), |k| {

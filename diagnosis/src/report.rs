@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use saltus_numeric::parallel;
 
 use crate::finding::{Candidate, Reported};
+use crate::fit::parameters_of;
 use crate::kind::{Cause, Kind, Parameter, Terms};
 use crate::policy::POLICY;
 use crate::profile::{Interval, Profile};
@@ -28,8 +29,8 @@ pub(crate) fn report(
 ) -> NotTold {
     let (fit, cause) = (&candidate.fit, candidate.cause);
     let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
-    let before = fit.causes.iter().take_while(|c| **c != cause);
-    let offset: usize = before.map(|c| kind.causes()[*c].parameters.len()).sum();
+    let places = parameters_of(kind, &fit.causes);
+    let offset = places.iter().take_while(|place| place.0 != cause).count();
     let spec = &kind.causes()[cause];
     let n = spec.parameters.len();
     let law = Law::new(spec, fit.terms.of(cause));

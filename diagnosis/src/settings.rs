@@ -8,7 +8,7 @@ pub struct Settings {
     /// False-alarm rate: in what part of data without an effect an effect may be reported.
     pub false_alarms: f64,
     /// Most causes at work at the same time.
-    pub most: usize,
+    pub most: Option<usize>,
     /// Blocks into which a single run is cut, to be left out one at a time.
     pub blocks: usize,
     /// Sets of noise that are drawn to find a threshold.
@@ -27,7 +27,7 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             false_alarms: 0.05,
-            most: 3,
+            most: None,
             blocks: 5,
             draws: 300,
             discrepancy: None,

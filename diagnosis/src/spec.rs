@@ -1,7 +1,9 @@
 //! What a kind of experiment says of itself: what is in its files, which sizes are plausible, its
 //! model, and how synthetic data of it are laid out.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::{Mutex, PoisonError};
 
 use saltus_robot::Robot;
 pub use saltus_robot::domain::Domain;
@@ -27,6 +29,24 @@ pub enum Problem {
     NotPneumatic {
         /// Its name.
         robot: String,
+    },
+    /// Of a vessel that is not shut, one number is missing.
+    #[error(
+        "{run}: {given} is given without {missing}: a vessel with an orifice needs both, one that is shut neither"
+    )]
+    HalfAVessel {
+        /// The run.
+        run: String,
+        /// The key that it has.
+        given: &'static str,
+        /// The key that it lacks.
+        missing: &'static str,
+    },
+    /// What `[rig]` says is no machine of this kind, or its columns are not those of the machine.
+    #[error("{what}")]
+    NoMachine {
+        /// What is wrong, and what is allowed.
+        what: String,
     },
     /// A run has not one valve for each leg.
     #[error(
@@ -144,6 +164,9 @@ pub struct Spec {
     /// What the operator believes of the machine, in the table `[rig]` of the folder: each run has
     /// it among its settings. A folder without that table has to name a robot.
     pub rig: &'static [Setting],
+    /// Whether `[rig]` names a file that describes the machine, as [`mechanism`](crate::mechanism) has
+    /// it.
+    pub mechanism: bool,
     /// Keys of a run, each optional, that say when something happened on the clock of its file.
     pub instants: &'static [&'static str],
     /// Fewest rows from which anything can be learned.
@@ -245,6 +268,45 @@ pub struct Column {
     pub scale: f64,
 }
 
+impl Column {
+    /// Whether it stands for many columns: its name has a star in the place of a part's name.
+    pub fn is_family(&self) -> bool {
+        self.name.contains('*')
+    }
+
+    /// What a column of this name holds, if it is one of the family.
+    fn member(&'static self, name: &str) -> Option<Meaning> {
+        let within = |pattern: &str| {
+            let (before, after) = pattern.split_once('*')?;
+            let part = name.strip_prefix(before)?.strip_suffix(after)?;
+            Some(part.to_owned()).filter(|part| !part.is_empty())
+        };
+        let (part, unit) = spellings(self.name, self.quantity)
+            .find_map(|(spelling, unit)| Some((within(&spelling)?, unit)))?;
+        Some(Meaning::Column(
+            interned(self, &self.name.replace('*', &part)),
+            unit,
+        ))
+    }
+}
+
+/// The column `name` of a family. Each is kept for good: there are as many as names in files.
+fn interned(family: &'static Column, name: &str) -> &'static Column {
+    type Member = (&'static Column, &'static Column);
+    static KNOWN: Mutex<Vec<Member>> = Mutex::new(Vec::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_it = |(of, own): &&Member| std::ptr::eq(*of, family) && own.name == name;
+    if let Some((_, own)) = known.iter().find(is_it) {
+        return own;
+    }
+    let own: &'static Column = Box::leak(Box::new(Column {
+        name: Box::leak(name.to_owned().into_boxed_str()),
+        ..*family
+    }));
+    known.push((family, own));
+    own
+}
+
 /// What a channel without any change tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Still {
@@ -254,6 +316,8 @@ pub enum Still {
     Odd,
     /// Nothing.
     Usual,
+    /// Nothing, and it may be empty after the first rows, which say how the machine stands.
+    AtStart,
 }
 
 /// A number that the operator sets for a run.
@@ -269,14 +333,55 @@ pub struct Setting {
     pub required: bool,
     /// Words that stand for a number.
     pub words: &'static [(&'static str, f64)],
+    /// Whether it is one number.
+    pub form: Form,
+}
+
+/// What stands under a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A number.
+    One,
+    /// A list of numbers: among the settings of a run, the k-th one has the key with `.k` after it,
+    /// counted from 1.
+    List,
+    /// A list of names: the key with a dot and the name is the place of that one, counted from 1.
+    Names,
 }
 
 impl Setting {
+    /// Whether the key of a run's setting is of this one.
+    pub fn stands_under(&self, key: &str) -> bool {
+        match self.form {
+            Form::One => key == self.key,
+            Form::List | Form::Names => key
+                .strip_prefix(self.key)
+                .is_some_and(|rest| rest.starts_with('.')),
+        }
+    }
+
     /// A value as it stands in a file.
     pub fn written(&self, value: f64) -> String {
         let word = self.words.iter().find(|(_, number)| *number == value);
         word.map_or_else(|| format!("{value:?}"), |(name, _)| format!("{name:?}"))
     }
+}
+
+/// The list of numbers `key` among the settings of a run, in its order.
+pub fn listed(settings: &BTreeMap<String, f64>, key: &str) -> Vec<f64> {
+    let at = |k: usize| settings.get(&format!("{key}.{k}")).copied();
+    (1..).map_while(at).collect()
+}
+
+/// The list of names `key` among the settings of a run, in its order.
+pub fn named(settings: &BTreeMap<String, f64>, key: &str) -> Vec<String> {
+    let prefix = format!("{key}.");
+    let mut all: Vec<(&str, f64)> = settings
+        .iter()
+        .filter_map(|(name, place)| Some((name.strip_prefix(&prefix)?, *place)))
+        .collect();
+    all.sort_by(|a, b| a.1.total_cmp(&b.1));
+    all.into_iter().map(|(name, _)| name.to_owned()).collect()
 }
 
 /// A channel that always changes.
@@ -313,6 +418,15 @@ pub(crate) const fn without(channel: Column) -> Column {
     }
 }
 
+/// A channel that says how the machine stands at the start.
+pub(crate) const fn posture(name: &'static str, meaning: (Quantity, Domain)) -> Column {
+    Column {
+        still: Still::AtStart,
+        optional: true,
+        ..calm(name, meaning)
+    }
+}
+
 /// A channel that says what was asked for: often the same, never missing.
 pub(crate) const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
     Column {
@@ -333,6 +447,7 @@ pub(crate) const fn required(key: &'static str, (quantity, domain): (Quantity, D
         domain,
         required: true,
         words: &[],
+        form: Form::One,
     }
 }
 
@@ -343,6 +458,23 @@ pub(crate) const fn optional(key: &'static str, (quantity, domain): (Quantity, D
         domain,
         required: false,
         words: &[],
+        form: Form::One,
+    }
+}
+
+/// A list of numbers, which a machine needs.
+pub(crate) const fn list(key: &'static str, meaning: (Quantity, Domain)) -> Setting {
+    Setting {
+        form: Form::List,
+        ..required(key, meaning)
+    }
+}
+
+/// A list of names, which a machine needs.
+pub(crate) const fn names(key: &'static str) -> Setting {
+    Setting {
+        form: Form::Names,
+        ..required(key, (NUMBER, Domain::POSITIVE))
     }
 }
 
@@ -454,6 +586,7 @@ pub(crate) const LOGGED: Spec = Spec {
     any_of: false,
     settings: &[],
     rig: &[],
+    mechanism: false,
     instants: &[],
     least: 10,
     longest: 100.0,
@@ -513,7 +646,11 @@ pub fn power(unit: Unit) -> i32 {
 impl Spec {
     /// The channel of this name.
     pub fn channel(&self, name: &str) -> Option<&'static Column> {
-        self.channels.iter().find(|channel| channel.name == name)
+        let own = self.channels.iter().find(|channel| channel.name == name);
+        own.or_else(|| match self.meaning(name)? {
+            Meaning::Column(own, _) if own.name == name => Some(own),
+            _ => None,
+        })
     }
 
     /// What a column of this name holds; none: nothing that the kind knows.
@@ -529,9 +666,12 @@ impl Spec {
         if let (true, Some(unit)) = (self.timed, unit("time_s", TIME)) {
             return Some(Meaning::Time(power(unit)));
         }
-        self.channels
-            .iter()
+        let (families, plain): (Vec<_>, Vec<_>) =
+            self.channels.iter().partition(|own| own.is_family());
+        plain
+            .into_iter()
             .find_map(|own| Some(Meaning::Column(own, unit(own.name, own.quantity)?)))
+            .or_else(|| families.into_iter().find_map(|own| own.member(name)))
     }
 
     /// Names in SI of all columns that its files may have.
@@ -583,7 +723,10 @@ mod tests {
                     );
                 }
             }
-            let is_known = |name| numbers(spec).iter().any(|number| number.0 == name);
+            let is_known = |name| {
+                let is_member = || spec.channel(name).is_some();
+                numbers(spec).iter().any(|number| number.0 == name) || is_member()
+            };
             for instrument in spec.synthesis.instruments {
                 assert!(is_known(instrument.column), "{}", instrument.column);
             }
@@ -612,8 +755,11 @@ mod tests {
     #[test]
     fn synthetic_runs_are_within_their_domains() {
         for spec in Sort::ALL.map(Sort::spec) {
-            let known = numbers(spec);
-            let domain = |name: &str| known.iter().find(|n| n.0 == name).map(|n| n.2);
+            let domain = |key: &str| {
+                let mut settings = spec.settings.iter().chain(spec.rig);
+                let setting = settings.find(|setting| setting.stands_under(key));
+                setting.map(|setting| setting.domain)
+            };
             for seed in 0..20 {
                 let layout = Layout::new(spec.sort, false, None, &mut Draw::new(seed));
                 let runs = &layout.experiment.runs;

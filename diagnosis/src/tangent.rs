@@ -366,7 +366,7 @@ impl Tangent {
         let on = parallel::map(places.len(), |k| around.column(places[k].0, places[k].1));
         let on: Vec<Vec<f64>> = on.into_iter().collect::<Option<_>>()?;
         let clear = orthonormal(on.clone());
-        let off: Vec<usize> = (0..kind.listed())
+        let off: Vec<usize> = (kind.common()..kind.listed())
             .filter(|c| with_candidates && !fit.causes.contains(c))
             .collect();
         let discrepancy = Discrepancy::new(kind);

@@ -205,6 +205,7 @@ pub(crate) fn measured(
 ) -> Experiment {
     Experiment {
         kind,
+        mechanism: None,
         columns: columns.iter().map(|(name, _)| (*name).into()).collect(),
         noise: vec![Some(1e-6); columns.len()],
         resolution: vec![None; columns.len()],

@@ -123,12 +123,18 @@ impl Kind for View<'_> {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
         };
-        let answer = known()
-            .iter()
-            .rev()
-            .find(|k| k.0 == hash && k.1 == question)
-            .map(|k| k.2.clone());
-        if let Some(answer) = answer {
+        let is_it = |k: &Known| k.0 == hash && k.1 == question;
+        let told = {
+            let mut known = known();
+            // What is asked again is forgotten last.
+            let place = known.iter().rposition(is_it);
+            place.and_then(|k| known.remove(k)).map(|told| {
+                let answer = told.2.clone();
+                known.push_back(told);
+                answer
+            })
+        };
+        if let Some(answer) = told {
             return answer.map(|values| values.to_vec());
         }
         let answer = self.kind.predict(run, terms, unknowns);
@@ -156,6 +162,22 @@ impl Kind for View<'_> {
 
     fn causes(&self) -> &[Cause] {
         &self.causes
+    }
+
+    fn common(&self) -> usize {
+        self.kind.common()
+    }
+
+    fn most(&self) -> usize {
+        self.kind.most()
+    }
+
+    fn is_apart(&self) -> bool {
+        self.kind.is_apart()
+    }
+
+    fn group(&self, run: usize) -> usize {
+        self.kind.group(run)
     }
 
     fn listed(&self) -> usize {

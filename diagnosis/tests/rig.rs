@@ -46,6 +46,21 @@ const APART: &[Apart] = &[
 const UNKNOWN: &[(&[Term], &str)] = &[
     (&[Term::PickedUp], "it is the planar model's"),
     (
+        &[
+            Term::SpoolTime,
+            Term::TubeLength,
+            Term::TubeDiameter,
+            Term::TubeRoughness,
+            Term::TankVolume,
+            Term::TankWall,
+            Term::MuscleForce,
+            Term::MuscleSlope,
+            Term::MuscleLever,
+            Term::TendonStiffness,
+        ],
+        "gas from a tank, through a tube or into a muscle is not in this rig",
+    ),
+    (
         &[Term::Restitution],
         "the motion ends before the touch-down",
     ),
@@ -92,6 +107,7 @@ const UNKNOWN: &[(&[Term], &str)] = &[
 const VALUES: &[(Term, f64)] = &[
     (Term::ImbalanceAngle, 1.0),
     (Term::LeastPulse, 0.03),
+    (Term::ClosingDelay, 0.025),
     (Term::RodLength, 0.2),
     (Term::RodRadius, 0.05),
     (Term::ReturnStiffness, 200.0),

@@ -189,6 +189,66 @@ impl Section {
         }
     }
 
+    /// A list of numbers `stem` (SI), of any length above 0; one number is a list of one.
+    pub fn list(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Vec<f64> {
+        let ways = [(stem, domain)];
+        let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
+            self.missing(&spellings(&ways, quantity).0, "");
+            return Vec::new();
+        };
+        match node.value {
+            Value::Array(items) if !items.is_empty() => {
+                self.items(&key, items, (unit, quantity, domain))
+            }
+            Value::Array(_) => {
+                self.refuse(
+                    self.dotted(&key),
+                    node,
+                    "a list of numbers, not empty".into(),
+                );
+                Vec::new()
+            }
+            _ => vec![self.si(self.dotted(&key), node, (unit, quantity, domain))],
+        }
+    }
+
+    /// Two finite numbers `stem` (SI), if given.
+    pub fn pair(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; 2]> {
+        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        match &node.value {
+            Value::Array(items) if items.len() == 2 => {
+                let items = items.clone();
+                let numbers = self.items(&key, items, (unit, quantity, Domain::FINITE));
+                numbers.try_into().ok()
+            }
+            _ => {
+                self.refuse(self.dotted(&key), node, "a list of two numbers".into());
+                None
+            }
+        }
+    }
+
+    /// A list of names `key`, not empty and none twice.
+    pub fn names(&mut self, key: &str) -> Vec<String> {
+        const ALLOWED: &str = "a list of names in quotes, none empty and none twice";
+        let read = |value: &Value| {
+            let Value::Array(items) = value else {
+                return None;
+            };
+            let mut names: Vec<String> = Vec::new();
+            for item in items {
+                match &item.value {
+                    Value::Text(name) if !name.is_empty() && !names.contains(name) => {
+                        names.push(name.clone());
+                    }
+                    _ => return None,
+                }
+            }
+            Some(names).filter(|names| !names.is_empty())
+        };
+        self.value(key, ALLOWED, read).unwrap_or_default()
+    }
+
     /// Two numbers `stem` (SI), the lower first, if given.
     pub fn span(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<(f64, f64)> {
         let (key, _, unit, node) = self.spelled(&[(stem, domain)], quantity)?;
@@ -341,6 +401,11 @@ impl Section {
             self.refuse(self.dotted(key), node, allowed.into());
         }
         value
+    }
+
+    /// Its keys that were not asked for yet.
+    pub fn keys(&self) -> Vec<String> {
+        self.entries.keys().cloned().collect()
     }
 
     /// The text `key`.

@@ -110,7 +110,9 @@ fn of(
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Told {
-    let ids = kind.causes()[..kind.listed()].iter().map(|cause| cause.id);
+    let ids = kind.causes()[kind.common()..kind.listed()]
+        .iter()
+        .map(|cause| cause.id);
     let is_sized = |id: &str| sized.iter().any(|(c, _)| kind.causes()[*c].id == id);
     let mut hidden: Vec<&'static str> = ids.filter(|id| !is_sized(id)).collect();
     hidden.dedup();

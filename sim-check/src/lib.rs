@@ -1,6 +1,7 @@
 //! The whole robot in space: a tree of bodies with contact, friction and slip, derived without
 //! `lagrangian` and `ballistic`.
 
+pub mod chain;
 mod complementarity;
 mod contact;
 mod error;

@@ -328,6 +328,7 @@ impl Kind for Flights {
             };
             let experiment = Experiment {
                 kind: Sort::Flight,
+                mechanism: None,
                 columns: vec!["y_m".into()],
                 noise: vec![self.channels.last().map(|c| c.noise)],
                 resolution: vec![None],

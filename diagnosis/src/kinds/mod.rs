@@ -4,21 +4,27 @@
 mod bench;
 mod flight;
 mod hop;
+mod input;
 mod jump;
+mod machine;
 mod outcomes;
 mod pendulum;
 mod robot;
 mod run;
 mod slide;
 mod stroke;
+mod tank_leg;
 mod vessel;
+mod walk;
 
 pub use flight::Flights;
+pub use machine::Motions;
 pub use pendulum::Pendulums;
 pub use robot::Firings;
 pub use run::Strides;
 pub use slide::Slides;
 pub use stroke::Strokes;
+pub use tank_leg::Flights as TankLegs;
 pub use vessel::Vessels;
 
 use saltus_robot::Robot;
@@ -56,6 +62,9 @@ kinds! {
     Vessel: vessel;
     Pendulum: pendulum;
     Run: run;
+    TankLeg: tank_leg;
+    Walk: walk;
+    Machine: machine;
 }
 
 impl Sort {

@@ -4,9 +4,11 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
+use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
+use super::input::Input;
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
@@ -126,52 +128,11 @@ impl Body {
     }
 }
 
-/// A torque over time.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Torque {
-    /// When (s) each was measured.
-    time: Vec<f64>,
-    /// Torque (N m).
-    values: Vec<f64>,
-}
-
-impl Torque {
-    fn of(run: &Run, column: Option<usize>) -> Torque {
-        let Some(column) = column else {
-            return Torque::default();
-        };
-        let rows = run
-            .time
-            .iter()
-            .copied()
-            .zip(run.values[column].iter().copied());
-        let (time, values) = rows.filter(|(_, value)| value.is_finite()).unzip();
-        Torque { time, values }
-    }
-
-    /// Torque (N m) at `time`, on the line between two rows; `at` is the last row before it, from
-    /// which the search goes on.
-    fn at(&self, time: f64, at: &mut usize) -> f64 {
-        let Some(last) = self.time.len().checked_sub(1) else {
-            return 0.0;
-        };
-        while *at < last && self.time[*at + 1] <= time {
-            *at += 1;
-        }
-        let (a, b) = (*at, (*at + 1).min(last));
-        let width = self.time[b] - self.time[a];
-        let share = if width > 0.0 {
-            ((time - self.time[a]) / width).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        self.values[a] + share * (self.values[b] - self.values[a])
-    }
-}
-
 /// What a parameter of a cause does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Effect {
+    /// Inertia about the axis, where nobody knows it.
+    AboutAxis,
     Inertia,
     Mass,
     Centre,
@@ -194,7 +155,7 @@ pub struct Pendulums {
     channels: Vec<Channel>,
     logs: Vec<Log>,
     bodies: Vec<Body>,
-    torques: Vec<Torque>,
+    torques: Vec<Input>,
     causes: Causes<Effect>,
     listed: usize,
 }
@@ -218,17 +179,23 @@ impl Pendulums {
             .iter()
             .map(|run| Body::of(run, robot))
             .collect::<Result<_, _>>()?;
-        let torques: Vec<Torque> = runs.iter().map(|run| Torque::of(run, torque)).collect();
+        let torques: Vec<Input> = runs.iter().map(|run| Input::of(run, torque)).collect();
         let is_driven = torques.iter().any(|t| t.values.iter().any(|x| *x != 0.0));
-        let named = named(&bodies[0], is_driven);
+        let mut named = named(&bodies[0], is_driven);
+        let logs: Vec<Log> = runs
+            .iter()
+            .map(|run| noise::log(experiment, run, &[angle]))
+            .collect();
+        if bodies[0].inertia.is_none() {
+            let of = |run: usize| likely_inertia(&logs[run], &torques[run], &bodies[run]);
+            let mut likely: Vec<f64> = (0..logs.len()).filter_map(of).collect();
+            named.insert(0, about_axis(&bodies[0], &mut likely));
+        }
         let listed = named.len();
         let causes = Causes::new(named.into_iter().chain(terms(&bodies[0])));
         Ok(Pendulums {
             channels: noise::channels(experiment, &[angle]),
-            logs: runs
-                .iter()
-                .map(|run| noise::log(experiment, run, &[angle]))
-                .collect(),
+            logs,
             bodies,
             torques,
             causes,
@@ -236,59 +203,17 @@ impl Pendulums {
         })
     }
 
-    /// Inertia (kg m²) about the axis by least squares on the equation of motion, with viscous and
-    /// dry friction: over each tenth of a swing, the change of the rate is what the torques have
-    /// done. It is a first guess for the fit.
-    fn likely_inertia(&self, run: usize) -> Option<f64> {
-        let (readings, torque) = (&self.logs[run].readings, &self.torques[run]);
-        let moment = self.bodies[run].moment();
-        let period = TAU * (self.bodies[run].about_axis() / moment).sqrt();
-        let first = readings.first()?;
-        let mut at = 0;
-        // Impulses from the first row on: of torque and weight, of a rate of one, of its sign.
-        let mut impulses = vec![[0.0; 3]];
-        for pair in readings.windows(2) {
-            let h = pair[1].time - pair[0].time;
-            let [past, turned] = [pair[0].time + 0.5 * h, pair[1].value - pair[0].value];
-            let middle = pair[0].value + 0.5 * turned;
-            let driven = torque.at(past, &mut at) - moment * middle.sin();
-            let sign = if turned == 0.0 { 0.0 } else { turned.signum() };
-            let [a, b, c] = impulses[impulses.len() - 1];
-            impulses.push([a + h * driven, b + turned, c + h * sign]);
-        }
-        let rows_of = |time: f64| readings.partition_point(|r| r.time - first.time < time);
-        let step = rows_of(0.1 * period).max(2);
-        let rate = |row: usize| {
-            let (a, b) = (&readings[row], &readings[row + step]);
-            (b.value - a.value) / (b.time - a.time)
-        };
-        // The mean of the impulses over a window belongs to the mean rate in it.
-        let mean = |row: usize| -> [f64; 3] {
-            let here = &impulses[row..=row + step];
-            std::array::from_fn(|k| here.iter().map(|i| i[k]).sum::<f64>() / here.len() as f64)
-        };
-        let (mut products, mut sums) = (Matrix3::zeros(), Vector3::zeros());
-        for row in (0..readings.len().checked_sub(2 * step + 1)?).step_by(step) {
-            let (a, b) = (mean(row), mean(row + step));
-            let done = Vector3::from_fn(|k, _| b[k] - a[k]);
-            products += done * done.transpose();
-            sums += done * (rate(row + step) - rate(row));
-        }
-        let found = products.cholesky()?.solve(&sums)[0];
-        (found > 0.0).then_some(1.0 / found)
-    }
-
     /// What swings in a run.
-    fn swing(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Swing {
+    fn swing(&self, run: usize, terms: &Terms) -> Swing {
         let believed = self.bodies[run];
         let body = Body {
             mass: believed.mass * self.causes.or(Effect::Mass, 1.0, terms),
             centre: believed.centre + self.causes.or(Effect::Centre, 0.0, terms),
             ..believed
         };
-        let inertia = match (body.inertia, unknowns.get(2)) {
-            (None, Some(inertia)) => *inertia,
-            _ => body.about_axis() * self.causes.or(Effect::Inertia, 1.0, terms),
+        let inertia = match self.causes.get(Effect::AboutAxis, 0, terms) {
+            Some(inertia) => inertia,
+            None => body.about_axis() * self.causes.or(Effect::Inertia, 1.0, terms),
         };
         Swing {
             inertia,
@@ -300,6 +225,63 @@ impl Pendulums {
             second: self.causes.or(Effect::Second, 0.0, terms),
         }
     }
+}
+
+/// Inertia (kg m²) about the axis by least squares on the equation of motion, with viscous and
+/// dry friction: over each tenth of a swing, the change of the rate is what the torques have
+/// done. It is a first guess for the fit.
+fn likely_inertia(log: &Log, torque: &Input, body: &Body) -> Option<f64> {
+    let readings = &log.readings;
+    let moment = body.moment();
+    let period = TAU * (body.about_axis() / moment).sqrt();
+    let first = readings.first()?;
+    let mut at = 0;
+    // Impulses from the first row on: of torque and weight, of a rate of one, of its sign.
+    let mut impulses = vec![[0.0; 3]];
+    for pair in readings.windows(2) {
+        let h = pair[1].time - pair[0].time;
+        let [past, turned] = [pair[0].time + 0.5 * h, pair[1].value - pair[0].value];
+        let middle = pair[0].value + 0.5 * turned;
+        let driven = torque.at(past, &mut at) - moment * middle.sin();
+        let sign = if turned == 0.0 { 0.0 } else { turned.signum() };
+        let [a, b, c] = impulses[impulses.len() - 1];
+        impulses.push([a + h * driven, b + turned, c + h * sign]);
+    }
+    let rows_of = |time: f64| readings.partition_point(|r| r.time - first.time < time);
+    let step = rows_of(0.1 * period).max(2);
+    let rate = |row: usize| {
+        let (a, b) = (&readings[row], &readings[row + step]);
+        (b.value - a.value) / (b.time - a.time)
+    };
+    // The mean of the impulses over a window belongs to the mean rate in it.
+    let mean = |row: usize| -> [f64; 3] {
+        let here = &impulses[row..=row + step];
+        std::array::from_fn(|k| here.iter().map(|i| i[k]).sum::<f64>() / here.len() as f64)
+    };
+    let (mut products, mut sums) = (Matrix3::zeros(), Vector3::zeros());
+    for row in (0..readings.len().checked_sub(2 * step + 1)?).step_by(step) {
+        let (a, b) = (mean(row), mean(row + step));
+        let done = Vector3::from_fn(|k, _| b[k] - a[k]);
+        products += done * done.transpose();
+        sums += done * (rate(row + step) - rate(row));
+    }
+    let found = products.cholesky()?.solve(&sums)[0];
+    (found > 0.0).then_some(1.0 / found)
+}
+
+/// The inertia (kg m²) about the axis of a body of which nobody knows it, at first the median of
+/// what the runs tell.
+fn about_axis(body: &Body, likely: &mut [f64]) -> (Effect, Cause) {
+    let point = body.about_axis();
+    let bounds = (0.1 * point, 100.0 * point);
+    let first = if likely.is_empty() {
+        point
+    } else {
+        median(likely).clamp(2.0 * bounds.0, 0.5 * bounds.1)
+    };
+    let name = "inertia_about_axis_kg_m2";
+    let inertia = simple("inertia", name, first, bounds, 0.02 * point, &[]);
+    (Effect::AboutAxis, inertia)
 }
 
 /// The listed causes.
@@ -368,7 +350,7 @@ fn of_friction(body: &Body) -> [(Effect, Cause); 3] {
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
         let starts = [0.01 * size / unit, 0.1 * size / unit];
-        let (bounds, scale) = ((0.0, 10.0 * size / unit), 1e-3 * size / unit);
+        let (bounds, scale) = ((0.0, 10.0 * size / unit), 0.01 * size / unit);
         simple(id, name, 0.0, bounds, scale, &starts)
     };
     [
@@ -466,8 +448,8 @@ impl Kind for Pendulums {
         &self.logs
     }
 
-    /// Where and how fast it starts, at rest where it stays at its first angle for a while; its
-    /// inertia where nobody knows it.
+    /// Where it starts, as its sensor says, and how fast: at rest where it stays at its first angle
+    /// for a while.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let readings = &self.logs[run].readings;
         let Some(first) = readings.first() else {
@@ -475,6 +457,7 @@ impl Kind for Pendulums {
         };
         let channel = &self.channels[0];
         let doubt = 5.0 * channel.noise.max(channel.step);
+        let at = (first.value - doubt, first.value + doubt);
         let moves = readings
             .iter()
             .find(|r| (r.value - first.value).abs() > doubt);
@@ -486,27 +469,19 @@ impl Kind for Pendulums {
         } else {
             ((near.value - first.value) / width.max(1e-9), FREE)
         };
-        let mut all = vec![
-            unknown("start_rad", first.value, FREE, 1e-3),
+        vec![
+            unknown("start_rad", first.value, at, 1e-3),
             unknown("start_rate_rad_s", rate, bounds, 0.01),
-        ];
-        let body = &self.bodies[run];
-        if body.inertia.is_none() {
-            let point = body.about_axis();
-            let bounds = (0.1 * point, 100.0 * point);
-            let likely = self.likely_inertia(run).unwrap_or(point);
-            all.push(unknown(
-                "inertia_about_axis_kg_m2",
-                likely.clamp(2.0 * bounds.0, 0.5 * bounds.1),
-                bounds,
-                0.02 * point,
-            ));
-        }
-        all
+        ]
     }
 
     fn causes(&self) -> &[Cause] {
         &self.causes.list
+    }
+
+    /// Its inertia about the axis, where nobody knows it.
+    fn common(&self) -> usize {
+        usize::from(self.causes.effects.first() == Some(&Effect::AboutAxis))
     }
 
     fn listed(&self) -> usize {
@@ -519,7 +494,7 @@ impl Kind for Pendulums {
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let value = |effect, none| self.causes.or(effect, none, terms);
-        let swing = self.swing(run, terms, unknowns);
+        let swing = self.swing(run, terms);
         let (scale, offset) = (
             value(Effect::AngleScale, 1.0),
             value(Effect::AngleOffset, 0.0),
@@ -534,7 +509,7 @@ impl Kind for Pendulums {
         );
         let (readings, torque) = (&self.logs[run].readings, &self.torques[run]);
         let (mut now, mut at) = (readings.first()?.time, 0);
-        let mut state = [unknowns[0], unknowns[1]];
+        let mut state = [(unknowns[0] - offset) / scale, unknowns[1]];
         let longest = swing.step();
         if longest.is_nan() || longest < 1e-6 {
             return None;

@@ -1,4 +1,4 @@
-//! A vessel filling or discharging through an orifice.
+//! A vessel filling or discharging through an orifice, or one that was shut and should hold what is in it.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -10,6 +10,7 @@ use saltus_robot::Gas as Perfect;
 use super::{Causes, FREE, sensor, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Reading, Terms};
+use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
 use crate::noise;
 use crate::plausible::{Check, PRESSURES};
@@ -21,10 +22,10 @@ use crate::spec::{
 /// What is given of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Vessel {
-    /// Volume (m³).
+    /// Volume (m³); of a vessel that is shut, of which nobody knows it, 1: only areas over the volume can be told then.
     volume: f64,
-    /// Diameter of the orifice (m).
-    orifice: f64,
+    /// Diameter of the orifice (m); none: it is shut from its first row on.
+    orifice: Option<f64>,
     /// Pressure (Pa) and temperature (K) until it is opened.
     pressure: f64,
     /// See `pressure`.
@@ -54,6 +55,10 @@ const LEFT: f64 = 5.0;
 const RELEASE: &str = "release_s";
 /// Standard deviation (K) of a thermometer that could be had.
 const THERMOMETER: f64 = 1.0;
+/// How far the pressure at which a vessel was shut may be from the one that is given, as a part of it.
+const SHUT_AT: f64 = 0.03;
+/// Part of a run for which the supply may go on to hold the pressure of a vessel that is shut then.
+const MOST_HELD: f64 = 0.3;
 /// Steps of a run.
 const STEPS: f64 = 500.0;
 /// Part of the pressure from the balance within which steps are cut, and part of the gas that flows
@@ -61,6 +66,7 @@ const STEPS: f64 = 500.0;
 /// itself.
 const NEAR: f64 = 0.05;
 const SHARE: f64 = 3e-3;
+const MOST_PARTS: f64 = 100.0;
 /// What a channel measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Gauge {
@@ -71,7 +77,7 @@ enum Gauge {
 impl Gauge {
     /// Of the column `name`.
     fn of(name: &str) -> Gauge {
-        if name == "pressure_pa" {
+        if name.ends_with("pressure_pa") {
             Gauge::Pressure
         } else {
             Gauge::Temperature
@@ -85,6 +91,10 @@ enum Effect {
     Heat,
     Gas,
     Outside,
+    /// Area over volume (1/m) of what each shut vessel leaks through.
+    Leak,
+    /// Time (s) in which the wall brings the gas of a shut vessel back to its own temperature.
+    Settling,
     Offset(Gauge),
     Scale(Gauge),
     Delay(Gauge),
@@ -94,38 +104,91 @@ enum Effect {
     Opening,
 }
 
+/// Whether no vessel has an orifice.
+fn are_shut(experiment: &Experiment) -> bool {
+    let mut runs = experiment.runs.iter();
+    runs.all(|run| vessel(run).orifice.is_none())
+}
+
 /// The listed causes.
-fn named(experiment: &Experiment) -> Vec<(Effect, Cause)> {
-    let gas = [0.999];
-    let mut all = vec![
+fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Effect, Cause)> {
+    let (bounds, scale) = ((-1e6, 1e6), 1e3);
+    let name = "outside_pressure_pa";
+    let outside = simple("supply-pressure", name, 0.0, bounds, scale, &[]);
+    let mut all = if are_shut(experiment) {
+        let (name, bounds) = ("settling_time_s", (0.0, 1e4));
+        let settling = simple("heat-transfer", name, 0.0, bounds, 0.1, &[1.0, 10.0]);
+        vec![
+            (Effect::Leak, leaks(experiment, logs)),
+            (Effect::Settling, settling),
+        ]
+    } else {
+        let (name, bounds) = ("carbon_dioxide_share", (0.8, 1.0));
+        let gas = simple("gas-type", name, 0.0, bounds, 0.05, &[0.999]);
         // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
-        (
-            Effect::Heat,
-            simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]),
-        ),
-        (
-            Effect::Gas,
-            simple(
-                "gas-type",
-                "carbon_dioxide_share",
-                0.0,
-                (0.8, 1.0),
-                0.05,
-                &gas,
-            ),
-        ),
-        (
-            Effect::Outside,
-            simple(
-                "supply-pressure",
-                "outside_pressure_pa",
-                0.0,
-                (-1e6, 1e6),
-                1e3,
-                &[],
-            ),
-        ),
-    ];
+        let heat = simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]);
+        vec![(Effect::Heat, heat), (Effect::Gas, gas)]
+    };
+    all.push((Effect::Outside, outside));
+    all.extend(of_gauges(experiment));
+    all
+}
+
+/// The leak of each shut vessel, as its area over the volume (1/m). A search starts where what left
+/// first would have left at the speed of sound.
+fn leaks(experiment: &Experiment, logs: &[Log]) -> Cause {
+    const NAME: &str = "leak_area_per_volume_per_m";
+    let law = OrificeLaw::new(Perfect::AIR);
+    let of = |(run, log): (&Run, &Log)| {
+        let tank = vessel(run);
+        let columns = experiment.columns.len();
+        let column = |r: &&Reading| experiment.columns[r.channel % columns] == "pressure_pa";
+        let mut readings = log.readings.iter().filter(column);
+        let first = readings.next().map_or(0.0, |r| r.time);
+        let is_far = |r: &&Reading| r.value < 0.6 * tank.pressure;
+        let far = readings.clone().find(is_far).or(readings.next_back());
+        let rate = far.map_or(0.0, |r| {
+            (tank.pressure / r.value).ln() / (r.time - first).max(1e-9)
+        });
+        let speed = law.choked * Perfect::AIR.constant * tank.temperature.sqrt();
+        let likely = (rate / speed).clamp(1e-9, 0.1);
+        let file = stem(&run.name);
+        Parameter {
+            starts: vec![likely],
+            name: match logs {
+                [_] => NAME.into(),
+                _ => format!("{file}.{NAME}"),
+            },
+            ..unknown(NAME, 0.0, (0.0, 1.0), 0.05 * likely)
+        }
+    };
+    let each = experiment.runs.iter().zip(logs).map(of);
+    Cause::several("chamber-leak", each.collect())
+}
+
+/// Channels for each run: vessels that have nothing in common are no measure of each other.
+fn each_its_own(channels: &[Channel], logs: &mut [Log]) -> Vec<Channel> {
+    let mut all = Vec::new();
+    for log in logs {
+        for reading in &mut log.readings {
+            reading.channel += all.len();
+        }
+        all.extend(channels.iter().map(|channel| Channel {
+            name: format!("{}.{}", stem(&log.name), channel.name),
+            ..channel.clone()
+        }));
+    }
+    all
+}
+
+/// The name of a file without its ending.
+fn stem(file: &str) -> &str {
+    file.strip_suffix(".csv").unwrap_or(file)
+}
+
+/// What can be wrong with the gauges.
+fn of_gauges(experiment: &Experiment) -> Vec<(Effect, Cause)> {
+    let mut all = Vec::new();
     for (column, unit, size) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
         if experiment.columns.iter().all(|own| own != column) {
             continue;
@@ -189,14 +252,17 @@ impl Vessels {
     /// The experiment's vessels.
     pub fn new(experiment: &Experiment) -> Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
-        let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment
+        let mut channels = noise::channels(experiment, &indices);
+        let mut logs: Vec<Log> = experiment
             .runs
             .iter()
             .map(|run| noise::log(experiment, run, &indices))
             .collect();
+        if are_shut(experiment) && logs.len() > 1 {
+            channels = each_its_own(&channels, &mut logs);
+        }
         let tanks = experiment.runs.iter().map(vessel).collect();
-        let named = named(experiment);
+        let named = named(experiment, &logs);
         let listed = named.len();
         let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
         let last = logs.iter().filter_map(length).fold(0.0, f64::max);
@@ -226,15 +292,17 @@ impl Vessels {
     /// alarm.
     fn opened(&self, run: usize) -> [f64; 3] {
         let (first, last) = self.span(run);
-        let (channel, tank) = (&self.channels[0], &self.tanks[run]);
-        let initial = if channel.name == "pressure_pa" {
-            tank.pressure
-        } else {
-            tank.temperature
+        let tank = &self.tanks[run];
+        let own = self.logs[run].readings.iter().map(|r| r.channel).min();
+        let own = own.unwrap_or(0);
+        let channel = &self.channels[own];
+        let initial = match Gauge::of(&channel.name) {
+            Gauge::Pressure => tank.pressure,
+            Gauge::Temperature => tank.temperature,
         };
         let away = |r: &Reading| (r.value - initial).abs();
         let doubt = LEFT * channel.noise;
-        let mut column = self.logs[run].readings.iter().filter(|r| r.channel == 0);
+        let mut column = self.logs[run].readings.iter().filter(|r| r.channel == own);
         let long_before = first - 2.0 * (last - first);
         let Some(left) = column.find(|r| away(r) > doubt) else {
             return [long_before, first, last];
@@ -258,7 +326,7 @@ fn vessel(run: &Run) -> Vessel {
     let of = |key: &str| run.settings.get(key).copied();
     Vessel {
         volume: of("volume_m3").unwrap_or(1.0),
-        orifice: of("orifice_diameter_m").unwrap_or(1e-3),
+        orifice: of("orifice_diameter_m"),
         pressure: of("initial_pressure_pa").unwrap_or(101_325.0),
         temperature: of("initial_temperature_k").unwrap_or(293.15),
         ambient: of("ambient_pressure_pa").unwrap_or(101_325.0),
@@ -278,9 +346,29 @@ impl Kind for Vessels {
 
     /// What the orifice lets through of the ideal flow, which no drawing tells; and when it was
     /// opened, where nobody says: some time before or after the first row.
+    ///
+    /// Of a vessel that is shut the pressure at that instant, which its gauge tells better than who
+    /// filled it; and the instant, until which the supply may have held it.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let tank = &self.tanks[run];
+        if tank.orifice.is_none() {
+            let at = tank.pressure;
+            let (bounds, scale) = (((1.0 - SHUT_AT) * at, (1.0 + SHUT_AT) * at), 1e-3 * at);
+            let mut all = vec![unknown("initial_pressure_pa", at, bounds, scale)];
+            if tank.release.is_none() {
+                let (first, last) = self.span(run);
+                let [_, likeliest, latest] = self.opened(run);
+                let bounds = (
+                    first,
+                    latest.clamp(first, first + MOST_HELD * (last - first)),
+                );
+                let (release, scale) = (likeliest.clamp(bounds.0, bounds.1), 1e-3 * (last - first));
+                all.push(unknown(RELEASE, release, bounds, scale));
+            }
+            return all;
+        }
         let mut all = vec![unknown("discharge_coefficient", 0.8, (0.05, 1.5), 0.02)];
-        if self.tanks[run].release.is_none() {
+        if tank.release.is_none() {
             let [earliest, likeliest, latest] = self.opened(run);
             all.push(unknown(
                 RELEASE,
@@ -304,9 +392,19 @@ impl Kind for Vessels {
         self.listed
     }
 
+    /// Each vessel that is shut has a leak of its own.
+    fn is_apart(&self) -> bool {
+        self.tanks.iter().all(|tank| tank.orifice.is_none())
+    }
+
     /// The same runs with the temperature of the gas measured too, where it was not.
     fn proposals(&self) -> Vec<Proposal> {
-        if self.channels.iter().any(|c| c.name == "temperature_k") {
+        if self
+            .channels
+            .iter()
+            .any(|c| c.name.ends_with("temperature_k"))
+            || self.is_apart()
+        {
             return Vec::new();
         }
         let channel = Channel {
@@ -363,8 +461,8 @@ impl Kind for Vessels {
 }
 
 /// Gas in a vessel: its mass (kg) and temperature (K) are the state.
-struct Gas<'a> {
-    vessel: &'a Vessel,
+struct Gas {
+    vessel: Vessel,
     /// Heat ratio and gas constant (J/(kg K)).
     kappa: f64,
     constant: f64,
@@ -376,6 +474,9 @@ struct Gas<'a> {
     /// Area of the wall (m²), and the coefficient of natural convection there.
     wall: f64,
     convection: f64,
+    /// Of a shut vessel, the time (s) in which the wall brings the gas back to its own temperature;
+    /// 0: it is always there.
+    settling: Option<f64>,
     /// When (s) the orifice is opened, how long that takes, and how long the run is from there.
     release: f64,
     opening: f64,
@@ -391,9 +492,9 @@ struct Gas<'a> {
 
 impl Vessels {
     /// The gas of a run; none where it cannot flow.
-    fn gas(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Gas<'_>> {
+    fn gas(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Gas> {
         let value = |effect, none| self.causes.or(effect, none, terms);
-        let vessel = &self.tanks[run];
+        let mut vessel = self.tanks[run];
         let share = value(Effect::Gas, 0.0);
         let mix = |a: f64, b: f64| a + share * (b - a);
         let (air, other) = (Perfect::AIR, Perfect::CO2);
@@ -401,17 +502,30 @@ impl Vessels {
             mix(air.heat_ratio, other.heat_ratio),
             mix(air.constant, other.constant),
         );
-        let widest = FRAC_PI_4 * vessel.orifice * vessel.orifice;
-        let area = widest * unknowns[0];
-        let release = vessel.release.or(unknowns.get(1).copied())?;
         let (first, end) = self.span(run);
+        let (widest, area, release) = if let Some(orifice) = vessel.orifice {
+            let widest = FRAC_PI_4 * orifice * orifice;
+            let release = vessel.release.or(unknowns.get(1).copied())?;
+            (widest, widest * unknowns[0], release)
+        } else {
+            vessel.pressure = unknowns[0];
+            let leak = self.causes.get(Effect::Leak, run, terms);
+            let area = vessel.volume * leak.unwrap_or(0.0);
+            (area, area, vessel.release.or(unknowns.get(1).copied())?)
+        };
         let last = end - release;
-        let step = last / STEPS;
+        let steps = match vessel.orifice {
+            Some(_) => STEPS,
+            None => 4.0 * STEPS,
+        };
+        let step = last / steps;
         // Near the balance steps are cut into so many parts: the same ones whatever is fitted.
         let speed = kappa * (constant * vessel.temperature).sqrt() / vessel.volume;
-        let parts = (speed * widest * (end - first) / (STEPS * SHARE))
-            .ceil()
-            .clamp(1.0, 100.0);
+        let parts = match vessel.orifice {
+            Some(_) => (speed * widest * (end - first) / (STEPS * SHARE)).ceil(),
+            None => 1.0,
+        };
+        let parts = parts.clamp(1.0, MOST_PARTS);
         let sphere = || (36.0 * PI).cbrt() * vessel.volume.powf(2.0 / 3.0);
         let outside = vessel.ambient + value(Effect::Outside, 0.0);
         (outside > 0.0 && last > 0.0).then(|| Gas {
@@ -426,6 +540,10 @@ impl Vessels {
             outside,
             wall: vessel.wall.unwrap_or_else(sphere),
             convection: value(Effect::Heat, 0.0),
+            settling: vessel
+                .orifice
+                .is_none()
+                .then(|| value(Effect::Settling, 0.0)),
             release,
             opening: value(Effect::Opening, 0.0),
             last,
@@ -441,7 +559,7 @@ impl Vessels {
     }
 }
 
-impl Gas<'_> {
+impl Gas {
     /// Pressure (Pa).
     fn pressure(&self, [mass, temperature]: [f64; 2]) -> f64 {
         mass * self.constant * temperature / self.vessel.volume
@@ -460,7 +578,7 @@ impl Gas<'_> {
     /// Rates of the state by mass and energy of the gas: dU = h_in dm + Q, with natural convection
     /// from a wall that stays at the first temperature.
     fn rates(&self, time: f64, [mass, temperature]: [f64; 2]) -> [f64; 2] {
-        let (vessel, outside) = (self.vessel, self.outside);
+        let (vessel, outside) = (&self.vessel, self.outside);
         let pressure = self.pressure([mass, temperature]);
         let (up, down, source, sign) = if pressure > outside {
             (pressure, outside, temperature, -1.0)
@@ -482,12 +600,21 @@ impl Gas<'_> {
         let heat_capacity = self.constant / (self.kappa - 1.0);
         // Inflow brings the enthalpy of outside, outflow takes that of inside.
         let brought = flow * (self.kappa * source - temperature) * heat_capacity;
-        [flow, (brought + heat) / (mass * heat_capacity)]
+        let warming = (brought + heat) / (mass * heat_capacity);
+        match self.settling {
+            None => [flow, warming],
+            // What settles within a step is always where it settles.
+            Some(time) if time < self.step => {
+                let settled = vessel.temperature + time * warming;
+                [flow, (settled - temperature) / self.step]
+            }
+            Some(time) => [flow, warming + (vessel.temperature - temperature) / time],
+        }
     }
 
     /// The state after each step, with its rates.
     fn knots(&self) -> Vec<(f64, [f64; 2], [f64; 2])> {
-        let vessel = self.vessel;
+        let vessel = &self.vessel;
         let rates = |time, state| self.rates(time, state);
         let mut state = [
             vessel.pressure * vessel.volume / (self.constant * vessel.temperature),
@@ -553,7 +680,7 @@ fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 
 pub(super) const SPEC: Spec = Spec {
     sort: Sort::Vessel,
     id: "vessel",
-    description: "A vessel filling or discharging",
+    description: "A vessel filling or discharging, or shut",
     // A slow discharge may be as warm as the room throughout.
     channels: &[
         without(lively("pressure_pa", ABSOLUTE)),
@@ -561,8 +688,8 @@ pub(super) const SPEC: Spec = Spec {
     ],
     any_of: true,
     settings: &[
-        required("volume_m3", VOLUME),
-        required("orifice_diameter_m", BORE),
+        optional("volume_m3", VOLUME),
+        optional("orifice_diameter_m", BORE),
         required("initial_pressure_pa", ABSOLUTE),
         required("initial_temperature_k", TEMPERATURE),
         required("ambient_pressure_pa", ABSOLUTE),
@@ -583,7 +710,10 @@ pub(super) const SPEC: Spec = Spec {
         strict: false,
         units: PRESSURES,
     }],
-    model: |data, _| Ok(Box::new(Vessels::new(data))),
+    model: |data, _| {
+        data.runs.iter().try_for_each(is_whole)?;
+        Ok(Box::new(Vessels::new(data)))
+    },
     synthesis: Synthesis {
         instruments: &[noisy("pressure_pa", 3e3), noisy("temperature_k", 1.0)],
         runs: 5,
@@ -592,6 +722,22 @@ pub(super) const SPEC: Spec = Spec {
     },
     ..PART
 };
+
+/// Refuses a vessel of which only the volume or only the orifice is known.
+fn is_whole(run: &Run) -> Result<(), Problem> {
+    let keys = ["volume_m3", "orifice_diameter_m"];
+    let [volume, orifice] = keys.map(|key| run.settings.contains_key(key));
+    let (given, missing) = match (volume, orifice) {
+        (true, false) => (keys[0], keys[1]),
+        (false, true) => (keys[1], keys[0]),
+        _ => return Ok(()),
+    };
+    Err(Problem::HalfAVessel {
+        run: run.name.clone(),
+        given,
+        missing,
+    })
+}
 
 /// Adds discharges of one vessel, every third a filling.
 fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
@@ -642,6 +788,7 @@ mod tests {
         let settings = settings.map(|(key, value)| (key.to_owned(), value)).into();
         Vessels::new(&Experiment {
             kind: Sort::Vessel,
+            mechanism: None,
             columns: vec!["pressure_pa".into()],
             noise: vec![Some(NOISE)],
             resolution: vec![None],

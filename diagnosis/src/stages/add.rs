@@ -35,6 +35,8 @@ struct Step {
     needed: f64,
     /// Variance inflation by the model's own error.
     inflation: f64,
+    /// Whether the cause contradicts what is known.
+    contradicts: bool,
 }
 
 /// Adds causes to `before`; none where its model does not answer.
@@ -45,7 +47,7 @@ pub(crate) fn forward(evidence: &Evidence, before: &Fit, random: &mut Pcg64) -> 
         tried: Vec::new(),
         pairs: Vec::new(),
     };
-    while path.current.causes.len() < evidence.settings.most {
+    while path.current.causes.len() < evidence.most() {
         let Some(tangent) = Tangent::new(evidence.kind, &path.current, true) else {
             // As it is, a model that does not move says nothing; one with causes goes no further.
             if path.steps.is_empty() {
@@ -106,6 +108,7 @@ impl Path {
                 needed: threshold,
                 inflation: inflation(&pair),
                 fit: pair,
+                contradicts: false,
             });
         };
         // The best cause may be within the model's own error. Weaker ones are too then: stop.
@@ -114,6 +117,7 @@ impl Path {
             gain: best.gain,
             needed: threshold + evidence.gain_by_chance(best.cause) + evidence.prior_penalty(&best),
             inflation: inflation(&best.fit),
+            contradicts: evidence.contradicts(&best),
             fit: best.fit,
         })
     }
@@ -130,10 +134,14 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
     let is_correlated = evidence.is_correlated(richest);
     let mut model = before;
     for step in &path.steps {
-        let inflation = if is_correlated && !model.causes.is_empty() {
-            evidence.inflation(model)
+        // What contradicts what is known has to stand out as it always had.
+        let by_runs = is_correlated && evidence.has_runs() && !step.contradicts;
+        let gain = if by_runs && evidence.lacks_several() && !model.causes.is_empty() {
+            evidence.judged_gain(model, &step.fit, step.inflation)
+        } else if is_correlated && !model.causes.is_empty() {
+            step.gain / evidence.inflation(model).max(step.inflation)
         } else {
-            richest
+            step.gain / richest.max(step.inflation)
         };
         let (mut needed, mut least) = (step.needed, 0.0);
         if is_correlated {
@@ -142,7 +150,12 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
             needed = needed.max(0.0) + doubt.map_or(0.0, |cause| evidence.gain_by_chance(*cause));
             least = POLICY.share_correlated * fitness::excess(evidence.kind, model);
         }
-        if step.gain / inflation.max(step.inflation) < needed || step.gain < least {
+        // What a sensor does wrong can take the shape of much that a model lacks.
+        let of_sensor = |cause: &usize| evidence.kind.causes()[*cause].column.is_some();
+        let is_told = by_runs && !step.fit.causes.last().is_some_and(of_sensor);
+        let is_far_better = || is_told && predicts_far_better(evidence, model, &step.fit);
+        let is_chance = gain < needed && !is_far_better();
+        if is_chance || step.gain < least {
             break;
         }
         model = &step.fit;
@@ -153,6 +166,22 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
         richest
     };
     (model.clone(), inflation)
+}
+
+/// Whether `fit` predicts data left out far better than `model`, run by run: what `model` leaves is
+/// then the cause that it lacks, and no measure of chance.
+fn predicts_far_better(evidence: &Evidence, model: &Fit, fit: &Fit) -> bool {
+    let losses = |of: &Fit| evidence.held_out_losses(of).unwrap_or_default();
+    let (before, after) = (losses(model), losses(fit));
+    let better = after.iter().zip(&before).filter(|(a, b)| a < b).count();
+    let folds = before.len();
+    folds > 1 && 3 * better >= 2 * folds && ratio(&before, &after) < POLICY.far_better
+}
+
+/// Loss on data left out, after over before: the geometric mean over the folds.
+fn ratio(before: &[f64], after: &[f64]) -> f64 {
+    let logs = after.iter().zip(before).map(|(a, b)| (a / b).ln());
+    (logs.sum::<f64>() / before.len().max(1) as f64).exp()
 }
 
 /// A candidate by what it predicts of data left out.
@@ -184,14 +213,29 @@ fn best_held_out(
         .take(POLICY.most_compared)
         .filter_map(|candidate| {
             let losses = evidence.held_out_losses(&candidate.fit)?;
-            let gain: f64 = without.iter().zip(&losses).map(|(a, b)| a - b).sum();
-            (gain > 0.0).then(|| HeldOut {
+            let whole: f64 = without.iter().sum();
+            // Where what is left is no noise, a run that the others do not tell may be predicted
+            // worse by a better model: each run counts by how much better it is.
+            let (gain, least) = if is_correlated && evidence.has_runs() {
+                (
+                    whole * (1.0 - ratio(&without, &losses)),
+                    whole * POLICY.least_part_held_out,
+                )
+            } else {
+                (whole - losses.iter().sum::<f64>(), 0.0)
+            };
+            (gain > least).then(|| HeldOut {
                 gain: gain - evidence.prior_penalty(&candidate),
                 losses,
                 candidate,
             })
         })
         .collect();
+    // What contradicts what is known is the last resort.
+    let contradicts = |c: &HeldOut| evidence.contradicts(&c.candidate);
+    if is_correlated && !all.iter().all(contradicts) {
+        all.retain(|c| !contradicts(c));
+    }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     if is_correlated && !all.is_empty() {
         // Of those that are not worse, the least surprising.

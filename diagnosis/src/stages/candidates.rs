@@ -26,8 +26,17 @@ pub(crate) fn candidates_beside(evidence: &Evidence, base: &Fit) -> Vec<Candidat
 
 fn fit_all(evidence: &Evidence, base: &Fit, tangent: Option<&Tangent>) -> Vec<Candidate> {
     let promising = match tangent.zip(Tangent::residuals(evidence.kind, base)) {
-        Some((tangent, residuals)) => screen::promising(evidence, tangent, &residuals),
-        None => evidence.absent(base),
+        Some((tangent, residuals)) if !screen::is_far_off(evidence, base) => {
+            let mut all = screen::promising(evidence, base, tangent, &residuals);
+            // Beside causes that explain most, scores are good enough.
+            if base.causes.is_empty() {
+                all.extend(&evidence.hints);
+            }
+            all.sort_unstable();
+            all.dedup();
+            all
+        }
+        _ => evidence.absent(base),
     };
     // Causes with many starts take long, and are given up early where others explain far more.
     let (far, near): (Vec<usize>, Vec<usize>) = promising

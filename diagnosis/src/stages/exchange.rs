@@ -40,7 +40,8 @@ fn better(evidence: &Evidence, model: &Fit, cause: usize, inflation: f64) -> Opt
 /// little.
 pub(crate) fn one_for_two(evidence: &Evidence, model: &Fit, inflation: f64) -> Option<Fit> {
     let count = model.causes.len();
-    if !evidence.is_correlated(inflation) || count < 2 || count + 1 > evidence.settings.most {
+    // Of more causes, none stands for the two alone.
+    if !evidence.is_correlated(inflation) || count != 2 || evidence.most() < 3 {
         return None;
     }
     let best = model

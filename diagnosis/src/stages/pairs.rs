@@ -21,7 +21,7 @@ pub(crate) fn by_score(evidence: &Evidence, tangent: &Tangent, base: &Fit) -> Ve
 /// `base` with two causes that together explain much of the misfit and predict left-out data
 /// better; none where there are none, or no room for two.
 pub(crate) fn add(evidence: &Evidence, tangent: &Tangent, base: &Fit) -> Option<Fit> {
-    if base.causes.len() + 2 > evidence.settings.most {
+    if base.causes.len() + 2 > evidence.most() {
         return None;
     }
     let misfit = fitness::excess(evidence.kind, base);

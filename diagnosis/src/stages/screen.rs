@@ -7,6 +7,7 @@ use saltus_numeric::statistics::percentile;
 
 use crate::evidence::Evidence;
 use crate::fit::Fit;
+use crate::fitness;
 use crate::policy::POLICY;
 use crate::tangent::{Direction, Tangent};
 
@@ -39,15 +40,33 @@ pub(crate) fn may_pass(evidence: &Evidence, tangent: &Tangent, base: &Fit, thres
     })
 }
 
+/// Whether `base` is so far from the readings that slopes there do not tell what a cause can do:
+/// every one is then fitted.
+pub(crate) fn is_far_off(evidence: &Evidence, base: &Fit) -> bool {
+    let scatter = fitness::scatter(evidence.kind, base);
+    scatter.iter().any(|sigmas| *sigmas > POLICY.far_off)
+}
+
 /// Causes whose score is more than chance gives often and not far behind the best: only of these a
 /// fit is made.
-pub(crate) fn promising(evidence: &Evidence, tangent: &Tangent, residuals: &[f64]) -> Vec<usize> {
+pub(crate) fn promising(
+    evidence: &Evidence,
+    base: &Fit,
+    tangent: &Tangent,
+    residuals: &[f64],
+) -> Vec<usize> {
     let scores = scores(tangent, residuals);
+    // Of a machine with many parts most causes are far behind beside others.
+    let of_few = if evidence.lacks_several() && !base.causes.is_empty() {
+        POLICY.score_of_few_of_many
+    } else {
+        POLICY.score_of_few
+    };
     let best = scores.first().map_or(0.0, |s| s.1);
     // The score of a cause that cannot be reached in small steps is rough.
     let is_apart = |cause: usize| evidence.kind.causes()[cause].is_apart();
     let is_promising = |rank: usize, (cause, score): (usize, f64)| {
-        let is_among_few = rank < POLICY.most_fitted && score > POLICY.score_of_few * best;
+        let is_among_few = rank < POLICY.most_fitted && score > of_few * best;
         let is_near = score > POLICY.score_of_any * best;
         let may_be_better = is_apart(cause) && score > POLICY.score_of_apart * best;
         score > POLICY.least_score && (is_among_few || is_near || may_be_better)
@@ -144,12 +163,16 @@ mod tests {
         let tangent = Tangent::new(&toy, &toy.before(), true).expect("a tangent");
         let residuals = Tangent::residuals(&toy, &toy.before()).expect("residuals");
         // 25 is less than 3 % of 900.
-        assert_eq!(promising(&evidence, &tangent, &residuals), [0, 1]);
+        assert_eq!(
+            promising(&evidence, &toy.before(), &tangent, &residuals),
+            [0, 1]
+        );
         assert!(may_pass(&evidence, &tangent, &toy.before(), 100.0));
         assert!(!may_pass(&evidence, &tangent, &toy.before(), 2000.0));
         let noise = Toy::new(&noise(1), vec![wave(0)]);
         let tangent = Tangent::new(&noise, &noise.before(), true).expect("a tangent");
         let small = sum(&[(1.9, &wave(0))]);
-        assert!(promising(&noise.evidence(&settings), &tangent, &small).is_empty());
+        let before = noise.before();
+        assert!(promising(&noise.evidence(&settings), &before, &tangent, &small).is_empty());
     }
 }

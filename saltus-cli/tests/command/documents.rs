@@ -122,6 +122,12 @@ fn the_tutorial_shows_what_commands_print() {
 }
 
 #[test]
+fn the_tutorial_of_machines_shows_what_commands_print() {
+    let page = include_str!("../../../docs/machines.md");
+    check_steps(page, &Folder::new("machines"), 2);
+}
+
+#[test]
 fn the_page_of_learning_shows_what_commands_print() {
     let page = include_str!("../../../docs/learning.md");
     check_steps(page, &Folder::new("learning"), 2);
@@ -143,8 +149,7 @@ fn the_page_of_robots_in_space_shows_what_commands_print() {
 /// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
 /// for something else.
 fn named(document: &str) -> Vec<Vec<String>> {
-    const COMMANDS: &str =
-        "simulate table law map plan verify run jump diagnose fit parkour export c rust mjcf urdf";
+    const COMMANDS: &str = "simulate table law map plan verify filling run jump diagnose fit parkour export c rust mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")

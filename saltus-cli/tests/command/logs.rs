@@ -35,7 +35,8 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
     assert_eq!(
         kinds,
         [
-            "bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel", "pendulum"
+            "bench", "hop", "jump", "outcomes", "flight", "stroke", "slide", "vessel", "pendulum",
+            "tank-leg", "machine", "walk"
         ]
     );
     for kind in &kinds {
@@ -46,7 +47,7 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
     }
     for kind in kinds {
         let data = read(&folder.path(kind), &|_| ()).unwrap();
-        assert_eq!(format!("{:?}", data.experiment.kind).to_lowercase(), kind);
+        assert_eq!(data.experiment.kind.spec().id, kind);
         assert_eq!(data.notes, [""; 0], "{kind}");
         let robot = data
             .robot
@@ -56,6 +57,70 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
         // Nothing is hidden in them.
         let run = folder.run(&["diagnose", kind]);
         assert_eq!(run.code, Some(0), "{kind}: {}{}", run.out, run.err);
+    }
+}
+
+/// What `[rig]` says of a robot with a tank, and what it must not say.
+#[test]
+fn robots_with_a_tank_that_are_none_are_refused() {
+    let folder = Folder::new("logs-tank");
+    folder.done(
+        "diagnose --inject none --kind tank-leg --runs 2 --out data",
+        0,
+    );
+    let manifest = folder.read("data/experiment.toml");
+    let wrong = [
+        ("tube_diameter_m = ", "0.0", "must be a length > 0"),
+        ("tank_volume_m3 = ", "nan", "must be a volume > 0"),
+        (
+            "supply_pressure_gauge_pa = ",
+            "-2e5",
+            "must be a gauge pressure",
+        ),
+        (
+            "link_mass_kg = ",
+            "[0.3, 0.0, 1.0, 0.5, 0.3]",
+            "item 2 = 0.0: must be a mass > 0",
+        ),
+        (
+            "link_mass_kg = ",
+            "[0.3, 0.5]",
+            "has 2 numbers: must be one, or 5",
+        ),
+        (
+            "actuators = ",
+            "[\"knee_right\", \"hip_right\"]",
+            "has an actuator at each joint",
+        ),
+        (
+            "actuators = ",
+            "[\"knee_right\", \"hip_right\", \"hip_left\", \"toe\"]",
+            "toe must begin with knee or hip",
+        ),
+        ("link_names = ", "[1, 2]", "must be a list of names"),
+        ("muscle_x0_coefficients_cm = ", "[-1.0]", "must be above 0"),
+        (
+            "muscle_slope_per_kpa_n_cm = ",
+            "50",
+            "the muscle would push near its end",
+        ),
+    ];
+    for (key, value, says) in wrong {
+        let line = |line: &str| {
+            if line.starts_with(key) {
+                format!("{key}{value}\n")
+            } else {
+                format!("{line}\n")
+            }
+        };
+        let text: String = manifest.lines().map(line).collect();
+        assert_ne!(text, manifest, "{key}");
+        folder.write("data/experiment.toml", text);
+        let run = folder.run(&["diagnose", "data"]);
+        assert_eq!(run.code, Some(2), "{key}{value}: {}{}", run.out, run.err);
+        let named = key.trim_end_matches(" = ");
+        let has_both = run.err.contains(named) && run.err.contains(says);
+        assert!(has_both, "{key}{value}: {}", run.err);
     }
 }
 
@@ -223,6 +288,7 @@ fn a_jump_works_without_a_boom() {
     };
     let mut experiment = Experiment {
         kind: Sort::Jump,
+        mechanism: None,
         columns: columns.map(str::to_owned).into(),
         noise: [1e-3, 0.02, 1e-3, 1e-3].map(Some).into(),
         resolution: vec![None; 4],

@@ -69,7 +69,7 @@ impl Tally {
                 format!("is empty in all {rows} rows"),
             ));
         }
-        if !spec.may_lack(self.missing, rows) {
+        if self.channel.still != Still::AtStart && !spec.may_lack(self.missing, rows) {
             let most = if spec.any_of { "nine tenths" } else { "half" };
             let symptom = format!(
                 "is empty in {} of {rows} rows: at most {most} may be",

@@ -44,10 +44,11 @@ impl Header {
                 ));
             }
         }
+        // Members of a family come last, in the order of the file.
         let order = |own: &Column| {
-            spec.channels
-                .iter()
-                .position(|known| known.name == own.name)
+            let known = spec.channels.iter();
+            let place = known.clone().position(|known| known.name == own.name);
+            place.unwrap_or(known.len())
         };
         header.channels.sort_by_key(|(_, own, _)| order(own));
         for name in &header.strange {

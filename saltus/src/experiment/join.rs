@@ -124,6 +124,10 @@ fn alike(joined: &Folder, folder: &Folder) -> Result<(), Error> {
     let id = |experiment: &Experiment| experiment.kind.spec().id.to_owned();
     let robot = |folder: &Folder| folder.robot.clone().unwrap_or_else(|| "none".into());
     let columns = |folder: &Folder| folder.experiment.columns.join(" ");
+    let chain = |folder: &Folder| {
+        let machine = folder.experiment.mechanism.as_ref();
+        machine.map_or_else(|| "none".into(), |own| own.name.clone())
+    };
     let (a, b) = (joined, folder);
     let differing = [
         (
@@ -133,6 +137,12 @@ fn alike(joined: &Folder, folder: &Folder) -> Result<(), Error> {
             a.experiment.kind != b.experiment.kind,
         ),
         ("robot", robot(b), robot(a), robot_file(a) != robot_file(b)),
+        (
+            "chain",
+            chain(b),
+            chain(a),
+            a.experiment.mechanism != b.experiment.mechanism,
+        ),
         (
             "columns",
             columns(b),

@@ -5,7 +5,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use saltus_diagnosis::spec::{Meaning, Setting, Spec, power, stem};
+use saltus_diagnosis::mechanism::Mechanism;
+use saltus_diagnosis::spec::{Column, Form, Meaning, Setting, Spec, power, stem};
 use saltus_diagnosis::{Known, Sort};
 use saltus_robot::RobotError;
 use saltus_robot::domain::Domain;
@@ -15,9 +16,12 @@ use saltus_telemetry::Path as LogPath;
 
 use super::error::{Error, one_line, shown};
 use super::instant::{self, Instant};
+use super::mechanism;
 
 /// Its name in the folder.
 pub(super) const NAME: &str = "experiment.toml";
+/// What a file may be.
+const FILE: &str = "the name of a file in this folder, without .. and not absolute";
 /// Most runs of a folder.
 const MOST_RUNS: usize = 10_000;
 /// Most bytes of the file.
@@ -31,6 +35,8 @@ pub(super) struct Manifest {
     pub(super) needs_robot: bool,
     /// What the operator believes of the machine.
     pub(super) rig: BTreeMap<String, f64>,
+    /// The machine that the file in `[rig]` describes, and the file with its text.
+    pub(super) mechanism: Option<Described>,
     pub(super) robot: Option<String>,
     /// Standard deviations, by column.
     pub(super) noise: BTreeMap<String, f64>,
@@ -39,6 +45,15 @@ pub(super) struct Manifest {
     /// What is known apart from the data.
     pub(super) known: Vec<Known>,
     pub(super) runs: Vec<Listed>,
+}
+
+/// A machine, and the file that describes it.
+#[derive(Debug)]
+pub(super) struct Described {
+    pub(super) mechanism: Mechanism,
+    /// The file's name, within the folder.
+    pub(super) file: String,
+    pub(super) text: String,
 }
 
 /// A run as it is listed.
@@ -123,18 +138,39 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Manifest, Error> {
         "run",
     ])?;
     let spec = kind(&mut root)?;
-    if spec.rig.is_empty() {
+    if spec.rig.is_empty() && !spec.mechanism {
         root.refuse_key("rig", &format!("left out: the kind {} has none", spec.id));
     }
+    let mut chain = None;
     let rig = root.optional_table("rig", |mut s| {
         let believed = set(&mut s, spec.rig);
+        if spec.mechanism {
+            chain = s.text_as("chain", FILE, within);
+        }
         s.finish(believed)
     });
+    if spec.mechanism && rig.is_none() {
+        root.missing(
+            &["rig"],
+            "a table [rig] with chain, the file that describes the machine",
+        );
+    }
+    root.stop_at_problem()?;
+    let described = |file: String| {
+        let (mechanism, text) = mechanism::read(folder, &file)?;
+        Ok::<_, Error>(Described {
+            mechanism,
+            file,
+            text,
+        })
+    };
+    let mechanism = chain.map(described).transpose()?;
     let needs_robot = spec.robot.is_some() || (rig.is_none() && !spec.rig.is_empty());
     let manifest = Manifest {
         spec,
         needs_robot,
         rig: rig.unwrap_or_default(),
+        mechanism,
         robot: robot(&mut root, needs_robot, spec),
         noise: sizes(&mut root, "noise", spec),
         resolution: sizes(&mut root, "resolution", spec),
@@ -183,7 +219,14 @@ pub(super) fn sizes(root: &mut Section, key: &str, spec: &Spec) -> BTreeMap<Stri
     const SIZE: Domain = Domain::POSITIVE.because(", in the column's unit");
     let sizes = root.optional_table(key, |mut s| {
         let mut sizes = BTreeMap::new();
-        for own in spec.channels {
+        let (families, plain): (Vec<&Column>, Vec<&Column>) =
+            spec.channels.iter().partition(|own| own.is_family());
+        // Members of a family are known by their names alone.
+        let members = s.keys().into_iter().filter_map(|key| spec.channel(&key));
+        let members: Vec<&Column> = members
+            .filter(|own| !families.is_empty() && plain.iter().all(|known| known.name != own.name))
+            .collect();
+        for own in plain.into_iter().chain(members) {
             let size = s.optional(stem(own.name, own.quantity), own.quantity, SIZE);
             sizes.extend(size.map(|size| (own.name.to_owned(), size)));
         }
@@ -277,9 +320,8 @@ fn runs(root: &mut Section, spec: &Spec, of_all: &Mapping) -> Result<Vec<Listed>
 
 /// One run.
 fn listed(mut s: Section, spec: &Spec) -> Result<Listed, RobotError> {
-    let allowed = "the name of a file in this folder, without .. and not absolute";
     let run = Listed {
-        file: s.text_as("file", allowed, within).unwrap_or_default(),
+        file: s.text_as("file", FILE, within).unwrap_or_default(),
         window: if spec.timed { valid(&mut s) } else { [None; 2] },
         columns: BTreeMap::new(),
         clock: None,
@@ -329,6 +371,21 @@ fn set(s: &mut Section, known: &[Setting]) -> BTreeMap<String, f64> {
     let mut settings = BTreeMap::new();
     for setting in known {
         let stem = stem(setting.key, setting.quantity);
+        match setting.form {
+            Form::One => {}
+            Form::List => {
+                let items = (1..).zip(s.list(stem, setting.quantity, setting.domain));
+                settings.extend(items.map(|(k, x)| (format!("{}.{k}", setting.key), x)));
+                continue;
+            }
+            Form::Names => {
+                let items = (1..).zip(s.names(setting.key));
+                settings.extend(
+                    items.map(|(k, name)| (format!("{}.{name}", setting.key), f64::from(k))),
+                );
+                continue;
+            }
+        }
         let number = match s.word(setting.key, setting.words) {
             None if setting.required => Some(s.number(stem, setting.quantity, setting.domain)),
             None => s.optional(stem, setting.quantity, setting.domain),

@@ -23,6 +23,7 @@ mod join;
 mod lines;
 mod manifest;
 mod mcap;
+mod mechanism;
 mod plan;
 mod run;
 mod thin;
@@ -152,9 +153,10 @@ pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
 /// The files of a data folder: `experiment.toml`, and the runs that it lists where it can be read.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let listed = manifest::bytes(folder).and_then(|bytes| manifest::parse(&bytes, folder));
-    let runs = listed.map(|manifest| manifest.runs).unwrap_or_default();
+    let (described, runs) = listed.map_or((None, Vec::new()), |m| (m.mechanism, m.runs));
     let names = [manifest::NAME.to_owned()]
         .into_iter()
+        .chain(described.map(|own| own.file))
         .chain(runs.into_iter().map(|run| run.file));
     names.map(|name| folder.join(name)).collect()
 }
@@ -244,17 +246,23 @@ fn gathered(
         noise,
         resolution,
         columns,
+        mechanism: manifest.mechanism.as_ref().map(|own| own.mechanism.clone()),
         runs,
     };
     let mut hash = Hash::default();
     hash.add(write::manifest(&experiment, manifest.robot.as_deref(), manifest.spec).as_bytes());
+    if let Some(described) = &manifest.mechanism {
+        hash.add(described.text.as_bytes());
+    }
     for part in parts {
         hash.join(part);
     }
     Folder {
         experiment,
         // What `[rig]` describes is no robot.
-        robot: manifest.robot.filter(|_| manifest.rig.is_empty()),
+        robot: manifest
+            .robot
+            .filter(|_| manifest.rig.is_empty() && manifest.mechanism.is_none()),
         known: manifest.known,
         path: path.into(),
         hash: hash.hex(),

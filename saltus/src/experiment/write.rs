@@ -7,10 +7,11 @@ use std::path::Path;
 
 use super::error::{Error, one_line, shown};
 use super::manifest::{NAME, within};
+use super::mechanism;
 use super::{Experiment, Run};
 use crate::recording::{self, Origin, Recording};
 use crate::temporary::{self, Temporary};
-use saltus_diagnosis::spec::Spec;
+use saltus_diagnosis::spec::{self, Form, Setting, Spec};
 use saltus_telemetry as telemetry;
 
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it
@@ -78,9 +79,14 @@ pub fn write_from(
             let staged =
                 Temporary::folder_in(folder).map_err(|error| Error::write(folder, error))?;
             let runs = experiment.runs.iter().map(|run| run.name.as_str());
+            let described = experiment
+                .mechanism
+                .iter()
+                .map(|machine| machine.name.as_str());
             let names: Vec<&str> = more
                 .iter()
                 .map(|(name, _)| *name)
+                .chain(described)
                 .chain(runs)
                 .chain([NAME])
                 .collect();
@@ -115,6 +121,12 @@ fn fill(
             } else {
                 rows(out, run, experiment, spec)
             }
+        })?;
+    }
+    if let Some(machine) = &experiment.mechanism {
+        let text = mechanism::written(machine);
+        whole(&folder.join(&machine.name), |out| {
+            out.write_all(text.as_bytes())
         })?;
     }
     whole(&folder.join(NAME), |out| {
@@ -190,11 +202,14 @@ pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec
             let _ = writeln!(text, "{head}{column} = {size:?}");
         }
     }
-    let is_of_rig = |key: &str| spec.rig.iter().any(|setting| setting.key == key);
+    let is_of_rig = |key: &str| spec.rig.iter().any(|setting| setting.stands_under(key));
     let has_rig = |run: &&Run| run.settings.keys().any(|key| is_of_rig(key));
     if let Some(run) = experiment.runs.first().filter(has_rig) {
         text.push_str("\n[rig]\n");
         set(&mut text, run, is_of_rig, spec);
+    }
+    if let Some(machine) = &experiment.mechanism {
+        let _ = writeln!(text, "\n[rig]\nchain = {}", quoted(&machine.name));
     }
     for run in &experiment.runs {
         let _ = writeln!(text, "\n[[run]]\nfile = {}", quoted(&run.name));
@@ -205,13 +220,34 @@ pub(super) fn manifest(experiment: &Experiment, robot: Option<&str>, spec: &Spec
 
 /// Adds the settings of a run whose key `is_meant`.
 fn set(text: &mut String, run: &Run, is_meant: impl Fn(&str) -> bool, spec: &Spec) {
+    let mut lists: Vec<&str> = Vec::new();
     for (key, value) in run.settings.iter().filter(|(key, _)| is_meant(key)) {
         let mut known = spec.settings.iter().chain(spec.rig);
-        let setting = known.find(|setting| setting.key == key);
-        let value = setting.map_or_else(|| format!("{value:?}"), |s| s.written(*value));
+        let setting = known.find(|setting| setting.stands_under(key));
+        let (key, value) = match setting {
+            None => (key.as_str(), format!("{value:?}")),
+            Some(one) if one.form == Form::One => (one.key, one.written(*value)),
+            Some(list) if lists.contains(&list.key) => continue,
+            Some(list) => {
+                lists.push(list.key);
+                (list.key, items(run, list))
+            }
+        };
         // Writing into a string does not fail.
         let _ = writeln!(text, "{key} = {value}");
     }
+}
+
+/// A list of numbers or names, as it stands in a file.
+fn items(run: &Run, setting: &Setting) -> String {
+    let list: Vec<toml::Value> = if setting.form == Form::Names {
+        let names = spec::named(&run.settings, setting.key);
+        names.into_iter().map(toml::Value::String).collect()
+    } else {
+        let numbers = spec::listed(&run.settings, setting.key);
+        numbers.into_iter().map(toml::Value::Float).collect()
+    };
+    toml::Value::Array(list).to_string()
 }
 
 /// Header and rows of a run. Numbers have the digits that give them back.

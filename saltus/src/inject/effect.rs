@@ -66,7 +66,7 @@ fn parameters(kind: &dyn Kind, cause: usize) -> Vec<(String, f64)> {
 /// How the cause is asked for, without its values; whether it is the first of its id and column.
 fn asked_by(kind: &dyn Kind, cause: usize) -> String {
     let spec = &kind.causes()[cause];
-    let is_first = !kind.causes()[..cause]
+    let is_first = !kind.causes()[kind.common()..cause]
         .iter()
         .any(|c| c.id == spec.id && c.column == spec.column);
     match &spec.column {
@@ -110,9 +110,10 @@ pub(super) fn known(kind: &dyn Kind) -> String {
         )
     };
     // A cause with two terms is asked for in one way.
-    let is_first =
-        |cause: &usize| !(0..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause));
-    (0..kind.causes().len())
+    let is_first = |cause: &usize| {
+        !(kind.common()..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause))
+    };
+    (kind.common()..kind.causes().len())
         .filter(is_first)
         .map(line)
         .collect::<Vec<_>>()
@@ -136,7 +137,7 @@ pub(super) fn resolve(
         };
         spec.id == asked.id && is_named
     };
-    let Some(cause) = (0..kind.causes().len()).find(is_meant) else {
+    let Some(cause) = (kind.common()..kind.causes().len()).find(is_meant) else {
         return Err(Error::Cause {
             effect: asked.to_string(),
             kind: of,

@@ -80,6 +80,18 @@ pub struct Truth {
     pub parameters: Vec<(String, f64)>,
 }
 
+impl Truth {
+    /// What it is, and where: the column or the part of the machine that it is about. Another form of
+    /// an effect of one part is the same.
+    fn place(&self) -> (&str, Option<&String>, Option<&str>) {
+        let name = self
+            .parameters
+            .first()
+            .and_then(|(name, _)| name.split_once('.'));
+        (self.id, self.column.as_ref(), name.map(|(part, _)| part))
+    }
+}
+
 /// Why there are no such data.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -194,10 +206,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
             column: spec.column.clone(),
             parameters: model.causes()[cause].report(&values),
         };
-        if truth
-            .iter()
-            .any(|other| (other.id, &other.column) == (found.id, &found.column))
-        {
+        if truth.iter().any(|other| other.place() == found.place()) {
             return Err(Error::Twice {
                 effect: asked.to_string(),
             });

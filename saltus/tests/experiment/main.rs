@@ -4,6 +4,7 @@
 
 mod damage;
 mod folder;
+mod machine;
 mod mcap;
 mod rig;
 mod spoiled;

@@ -41,6 +41,7 @@ fn written(kind: Sort, columns: &[&str], settings: &[(&str, f64)]) -> Experiment
     let resolution = noise.iter().rev().copied().collect();
     Experiment {
         kind,
+        mechanism: None,
         columns: columns.iter().map(|&name| name.into()).collect(),
         noise,
         resolution,

@@ -91,7 +91,8 @@ pub fn causes_of(kind: Sort) -> &'static [&'static str] {
         Sort::Slide => slide::CAUSES,
         Sort::Vessel => vessel::CAUSES,
         Sort::Pendulum => pendulum::CAUSES,
-        Sort::Run => &[],
+        // `running` makes logs of runs; of the other machines none are made here.
+        Sort::Run | Sort::TankLeg | Sort::Walk | Sort::Machine => &[],
     }
 }
 
@@ -247,6 +248,7 @@ fn world(kind: Sort, ids: &[&str], seed: u64) -> Box<dyn World> {
         Sort::Vessel => Box::new(vessel::Vessels::new(ids, &mut draw)),
         Sort::Pendulum => Box::new(pendulum::Pendulums::new(&mut draw)),
         Sort::Run => panic!("lab::running makes logs of kind run"),
+        Sort::TankLeg | Sort::Walk | Sort::Machine => panic!("none of these are made here"),
     }
 }
 
@@ -485,6 +487,7 @@ fn measured(
     }
     Experiment {
         kind,
+        mechanism: None,
         columns: columns
             .iter()
             .map(|column| column.name.to_owned())

@@ -355,6 +355,7 @@ impl Log {
         let columns = valves.map(|leg| format!("valve_{leg}"));
         Experiment {
             kind: Sort::Run,
+            mechanism: None,
             columns: columns.chain(COLUMNS.map(str::to_owned)).collect(),
             noise: none
                 .iter()

@@ -8,6 +8,7 @@ mod documents;
 mod hardened;
 mod lab;
 mod laws;
+mod machines;
 mod models;
 mod planar;
 mod reference;

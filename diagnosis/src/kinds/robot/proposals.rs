@@ -37,6 +37,7 @@ fn run(
 fn experiment(kind: Sort, columns: &[(&str, f64)], run: Run) -> Experiment {
     Experiment {
         kind,
+        mechanism: None,
         columns: columns.iter().map(|c| c.0.to_owned()).collect(),
         noise: columns.iter().map(|c| Some(c.1)).collect(),
         resolution: vec![None; columns.len()],

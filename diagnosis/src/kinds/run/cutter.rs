@@ -72,6 +72,7 @@ impl<'a> Cutter<'a> {
         let of = |all: &[Option<f64>]| measured(own).map(|k| all[k]).collect();
         Experiment {
             kind: Sort::Jump,
+            mechanism: None,
             columns: measured(own).map(|k| own.columns[k].clone()).collect(),
             noise: of(&own.noise),
             resolution: of(&own.resolution),

@@ -74,10 +74,10 @@ pub(crate) struct Diagnose {
     )]
     known: Vec<Known>,
 
-    /// Most effects that are looked for at the same time
-    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=6))]
+    /// Most effects that are looked for at the same time [default: 3; of the kind tank-leg 6]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
     #[arg(help_heading = "What is claimed")]
-    most: u8,
+    most: Option<u8>,
 
     /// Seed of what is drawn by chance
     #[arg(
@@ -141,7 +141,7 @@ JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: va
 \"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
 that depends on several of the fit}, \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"contradicting\": [causes that would do as well and contradict what is known, with the standard deviations that it would take], \"unlisted\" (null, or a term without an id \
 that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
-the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"gain\": {channel: \
+the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"estimated\": {name: {\"value\", \"standard_error\"}: of what nobody states of the machine}, \"alone\": null or, where several causes were found, the one that explains most by itself: {\"id\", \"column\", \"held_out_rms\": {channel: in its unit}}, \"gain\": {channel: \
 {\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
 \"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
 \"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
@@ -326,7 +326,7 @@ impl Diagnose {
     fn settings(&self) -> Settings {
         Settings {
             false_alarms: self.false_alarms,
-            most: usize::from(self.most),
+            most: self.most.map(usize::from),
             seed: self.seed,
             discrepancy: self.model_error,
             known: self.known.clone(),

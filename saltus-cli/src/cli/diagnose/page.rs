@@ -48,6 +48,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     for finding in &report.found.diagnosis.findings {
         cause(&mut out, report, finding);
     }
+    if let Some(estimated) = report.estimated() {
+        sentence(&mut out, &estimated);
+    }
     if let Some(small) = report.small() {
         sentence(&mut out, &small);
     }

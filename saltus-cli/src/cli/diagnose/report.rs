@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use saltus::diagnosis::{
-    Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, residuals,
+    Alone, Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, residuals,
 };
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
@@ -202,6 +202,35 @@ impl<'a> Report<'a> {
         )
     }
 
+    /// What the best cause alone leaves on data left out, beside what all leave, as a sentence; none
+    /// where one cause or none was found.
+    pub(super) fn alone(&self) -> Option<String> {
+        let diagnosis = &self.found.diagnosis;
+        let alone = diagnosis.alone.as_ref()?;
+        let of = |(gain, rms): (&Gain, &f64)| {
+            let (name, unit) = split(&gain.channel);
+            let [all, one] = [gain.rms.1, *rms].map(|x| with_unit(x, 3, unit));
+            format!("{one} of {name}, all together {all}")
+        };
+        let each: Vec<String> = diagnosis.gains.iter().zip(&alone.rms).map(of).collect();
+        Some(format!(
+            "The cause that explains most by itself, {}, leaves there {}.",
+            alone.cause.title(),
+            each.join("; ")
+        ))
+    }
+
+    /// What is the same in all runs and nobody states, as a sentence; none where there is nothing such.
+    pub(super) fn estimated(&self) -> Option<String> {
+        let common = &self.found.diagnosis.common;
+        let said =
+            |r: &Reported| format!("{} = {}", r.name, estimate(r.value, r.error, unit(&r.name)));
+        let all: Vec<String> = common.iter().map(said).collect();
+        let all = all.join(", ");
+        (!common.is_empty())
+            .then(|| format!("Nobody states {all}: this is estimated from the data."))
+    }
+
     /// Parameters as they are reported, where errors are known with them.
     pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
         if candidate.reported.is_empty() {
@@ -358,6 +387,9 @@ impl<'a> Report<'a> {
         for finding in &diagnosis.findings {
             self.finding(&mut out, finding);
         }
+        if let Some(estimated) = self.estimated() {
+            out += &wrapped(&format!("\n{estimated}"), "");
+        }
         if let Some(unknown) = self.unknown() {
             out += "\nunknown\n";
             out += &wrapped(&unknown, "  ");
@@ -376,6 +408,9 @@ impl<'a> Report<'a> {
         }
         out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
         out += &grid(&self.gains(), 1);
+        if let Some(alone) = self.alone() {
+            out += &wrapped(&alone, "  ");
+        }
         out += "\nWhat the simulation leaves: measured less predicted, in standard deviations of \
             the noise (σ)\n\n";
         out += &grid(&self.residual_lines(), 2);
@@ -501,9 +536,15 @@ impl<'a> Report<'a> {
             .parameters
             .len();
         finding.held_out.is_finite().then(|| {
-            let falls = digits(finding.held_out, 4);
+            let by = digits(finding.held_out.abs(), 4);
+            if finding.held_out < 0.0 {
+                return format!(
+                    "On data left out of the fit the misfit of all runs together rises by {by} \
+                     with it."
+                );
+            }
             format!(
-                "On data left out of the fit the misfit falls by {falls} with it; chance \
+                "On data left out of the fit the misfit falls by {by} with it; chance \
                 makes it fall by about {parameters}."
             )
         })
@@ -774,8 +815,10 @@ impl<'a> Report<'a> {
             "command": "diagnose",
             "data": { "hash": folder.hash, "rows": folder.rows, "runs": kind.logs().len(), "notes": folder.notes },
             "causes": causes,
+            "estimated": diagnosis.common.iter().map(estimated_json).collect::<Map<_, _>>(),
             "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
             "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
+            "alone": diagnosis.alone.as_ref().map(|alone| self.alone_entry(alone)),
             "small": diagnosis.small.as_ref().map(known::small_json),
             "tried": tried,
             "false_alarm_level": settings.false_alarms,
@@ -786,6 +829,13 @@ impl<'a> Report<'a> {
             "misstated_noise": self.found.misstated.iter().map(misstated_json).collect::<Vec<_>>(),
             "next_steps": steps(self.found).iter().map(Step::json).collect::<Vec<_>>(),
         })
+    }
+
+    /// The best cause alone, and what it leaves of each channel.
+    fn alone_entry(&self, alone: &Alone) -> Value {
+        let names = self.found.kind.channels().iter().map(|c| c.name.clone());
+        let rms: Map<String, Value> = names.zip(alone.rms.iter().map(|x| json!(x))).collect();
+        json!({ "id": alone.cause.id, "column": alone.cause.column, "held_out_rms": rms })
     }
 
     /// Before and after, channel by channel.
@@ -892,6 +942,12 @@ fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
         .map(|r| (r.name.clone(), json!([r.value, r.error])))
         .collect();
     json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
+}
+
+/// What is estimated beside the causes: its name, and value with standard error.
+fn estimated_json(r: &Reported) -> (String, Value) {
+    let entry = json!({ "value": r.value, "standard_error": r.error });
+    (r.name.clone(), entry)
 }
 
 fn misstated_json(wrong: &Misstated) -> Value {

@@ -97,9 +97,14 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
     }
     all.extend(correct_robot(found));
     if all.is_empty() {
+        let is_sound = found.diagnosis.findings.is_empty();
         all.push(Step::new(match &found.robot {
             Some(_) => "Nothing needs to be corrected: plan with this robot.",
-            None => "Nothing needs to be corrected.",
+            None if is_sound => "Nothing needs to be corrected.",
+            None => {
+                "Compute with these numbers in place of what was believed. Measure new runs: what \
+                 was found should be found again, as large."
+            }
         }));
     }
     all

@@ -1,0 +1,386 @@
+//! A robot whose legs are driven by pneumatic muscles from a tank of its own: one valve and one tube
+//! for each muscle.
+//!
+//! The machine is a chain of links in a plane, with a muscle at each joint; what the operator
+//! believes of it is in `[rig]`.
+
+mod causes;
+mod flight;
+mod rig;
+mod synthesis;
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use saltus_robot::Robot;
+use saltus_robot::units::{Quantity, Unit};
+
+use super::{Causes, unknown};
+use crate::experiment::{Experiment, Run, Sort};
+use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::noise;
+use crate::spec::{
+    Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
+    TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
+};
+use causes::Effect;
+use flight::{Course, Told};
+use rig::{Changed, Rig};
+
+const fn plain(si: &'static str, units: &'static [(&'static str, Unit)]) -> Quantity {
+    Quantity {
+        si,
+        dimension: [0, 0, 0],
+        units,
+    }
+}
+
+const ANY: Domain = Domain::FINITE;
+const SHARE: Domain = Domain::POSITIVE.up_to(1e9);
+const NOT_NEGATIVE: Domain = Domain::NON_NEGATIVE.up_to(1e9);
+
+/// What `[rig]` has.
+const RIG: &[Setting] = &[
+    required("tank_volume_m3", VOLUME),
+    required("gas_temperature_k", TEMPERATURE),
+    optional(
+        "gas_constant_j_kg_k",
+        (plain("J/(kg K)", &[("_j_kg_k", Unit::SI)]), SHARE),
+    ),
+    required("tube_length_m", RADIUS),
+    required("tube_diameter_m", RADIUS),
+    required(
+        "tube_roughness_m",
+        (RADIUS.0, Domain::NON_NEGATIVE.up_to(0.1)),
+    ),
+    required("valve_time_constant_s", (saltus_robot::units::TIME, SHARE)),
+    optional("valve_exhaust_s", (saltus_robot::units::TIME, ANY)),
+    names("actuators"),
+    names("link_names"),
+    list("link_mass_kg", LOAD),
+    list("link_length_m", RADIUS),
+    required("link_radius_m", RADIUS),
+    required("knee_pulley_radius_m", RADIUS),
+    required("hip_pulley_radius_m", RADIUS),
+    required(
+        "tendon_stiffness_n_m",
+        (plain("N/m", &[("_n_m", Unit::SI)]), SHARE),
+    ),
+    required(
+        "knee_spring_nm_rad",
+        (plain("N m/rad", &[("_nm_rad", Unit::SI)]), NOT_NEGATIVE),
+    ),
+    required(
+        "hip_spring_nm_rad",
+        (plain("N m/rad", &[("_nm_rad", Unit::SI)]), NOT_NEGATIVE),
+    ),
+    required("knee_spring_from_rad", TURN),
+    required("hip_spring_from_rad", TURN),
+    required(
+        "joint_damping_nm_s_rad",
+        (plain("N m s/rad", &[("_nm_s_rad", Unit::SI)]), NOT_NEGATIVE),
+    ),
+    list(
+        "muscle_volume_coefficients",
+        (plain("m3, contraction in cm", &[("", Unit::SI)]), ANY),
+    ),
+    required(
+        "muscle_force_per_kpa_n",
+        (plain("N/kPa", &[("_n", Unit::SI)]), SHARE),
+    ),
+    required(
+        "muscle_slope_per_kpa_n_cm",
+        (plain("N/(kPa cm)", &[("_n_cm", Unit::SI)]), NOT_NEGATIVE),
+    ),
+    list(
+        "muscle_x0_coefficients_cm",
+        (plain("cm, pressure in kPa", &[("_cm", Unit::SI)]), ANY),
+    ),
+];
+
+/// The kind.
+pub(super) const SPEC: Spec = Spec {
+    sort: Sort::TankLeg,
+    id: "tank-leg",
+    description: "Legs driven by pneumatic muscles from a tank",
+    channels: &[
+        calm("tank_pressure_gauge_pa", GAUGE),
+        without(calm("com_x_m", LEAP)),
+        without(calm("com_y_m", LEAP)),
+        posture("torso_y_m", LEAP),
+        posture("torso_angle_rad", TURN),
+        without(asked("valve_*", OUTPUT)),
+        without(calm("*_pressure_gauge_pa", GAUGE)),
+        posture("*_angle_rad", TURN),
+        posture("foot_*_y_m", LEAP),
+    ],
+    any_of: true,
+    settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
+    rig: RIG,
+    synthesis: synthesis::SYNTHESIS,
+    model: |data, _: Option<&Robot>| Ok(Box::new(Flights::new(data)?)),
+    ..PART
+};
+
+/// What a channel measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gauge {
+    Tank,
+    /// Of the muscle with this number.
+    Muscle(usize),
+    /// The centre of mass: 0 along, 1 up.
+    Center(usize),
+}
+
+/// Jumps of a robot with a tank.
+#[derive(Clone, Debug)]
+pub struct Flights {
+    channels: Vec<Channel>,
+    gauges: Vec<Gauge>,
+    logs: Vec<Log>,
+    told: Vec<Told>,
+    rig: Rig,
+    causes: Causes<Effect>,
+    listed: usize,
+    notes: Vec<String>,
+    courses: Vec<Courses>,
+}
+
+/// By how much (Pa) a muscle's reading may be above the tank's and still be one.
+const ABOVE_TANK: f64 = 5e3;
+/// How far (Pa, m) the start may be from what the first rows say.
+const START: f64 = 5e3;
+const PLACE: f64 = 5e-3;
+
+impl Flights {
+    /// Which unknown of a run says by how much the track of the centre of mass is off along `k`.
+    fn off(&self, k: usize) -> usize {
+        let before = |gauge: &&Gauge| matches!(gauge, Gauge::Center(other) if *other < k);
+        2 + self.gauges.iter().filter(before).count()
+    }
+
+    /// The jumps of an experiment.
+    ///
+    /// # Errors
+    /// [`Problem::NoMachine`] where `[rig]` is no such robot, or its columns are missing.
+    pub fn new(experiment: &Experiment) -> Result<Flights, Problem> {
+        let first = experiment.runs.first();
+        let settings = first.map(|run| run.settings.clone()).unwrap_or_default();
+        let rig = Rig::of(&settings)?;
+        let column = |name: &str| experiment.columns.iter().position(|c| c == name);
+        let needed = |name: String| {
+            column(&name).ok_or_else(|| Problem::NoMachine {
+                what: format!("column {name} is missing: [rig] has an actuator of that name"),
+            })
+        };
+        let (mut gauges, mut indices) = (Vec::new(), Vec::new());
+        for (k, name) in rig.actuators.iter().enumerate() {
+            indices.push(needed(format!("{name}_pressure_gauge_pa"))?);
+            gauges.push(Gauge::Muscle(k));
+            needed(format!("valve_{name}"))?;
+            needed(format!("{name}_angle_rad"))?;
+        }
+        indices.push(needed("tank_pressure_gauge_pa".into())?);
+        gauges.push(Gauge::Tank);
+        for (k, name) in ["com_x_m", "com_y_m"].into_iter().enumerate() {
+            // A column whose noise nobody states is for the posture, and is not predicted.
+            if let Some(index) = column(name).filter(|i| experiment.noise[*i].is_some()) {
+                indices.push(index);
+                gauges.push(Gauge::Center(k));
+            }
+        }
+        let channels = noise::channels(experiment, &indices);
+        let told = experiment
+            .runs
+            .iter()
+            .map(|run| Told::of(run, &rig, &experiment.columns))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut notes = Vec::new();
+        let logs = experiment
+            .runs
+            .iter()
+            .map(|run| log(experiment, run, (&indices, &gauges), &mut notes))
+            .collect();
+        let (named, terms) = causes::of(&rig, &channels, &gauges);
+        let listed = named.len();
+        Ok(Flights {
+            channels,
+            gauges,
+            logs,
+            told,
+            rig,
+            causes: Causes::new(named.into_iter().chain(terms)),
+            listed,
+            notes,
+            courses: experiment.runs.iter().map(|_| Courses::default()).collect(),
+        })
+    }
+}
+
+/// Courses of a run that are kept: what a gauge makes of one takes no time beside it.
+const KEPT: usize = 50;
+
+/// A course with the machine and the pressure (Pa) of the tank that it is of.
+type Known = (Changed, f64, Option<Arc<Course>>);
+
+/// Courses of a run, the latest last.
+#[derive(Debug, Default)]
+struct Courses(Mutex<VecDeque<Known>>);
+
+impl Clone for Courses {
+    fn clone(&self) -> Courses {
+        Courses::default()
+    }
+}
+
+impl Flights {
+    /// What run `run` does.
+    fn course(&self, run: usize, changed: Changed, tank: f64, last: f64) -> Option<Arc<Course>> {
+        let kept = || {
+            let all = self.courses[run].0.lock();
+            all.unwrap_or_else(PoisonError::into_inner)
+        };
+        let known = kept()
+            .iter()
+            .rev()
+            .find(|k| k.0 == changed && k.1 == tank)
+            .cloned();
+        if let Some((_, _, course)) = known {
+            return course;
+        }
+        let course = flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new);
+        let mut all = kept();
+        all.push_back((changed, tank, course.clone()));
+        while all.len() > KEPT {
+            all.pop_front();
+        }
+        course
+    }
+}
+
+/// The readings of a run, without those of a muscle that are above the tank's: nothing fills it
+/// from there.
+fn log(
+    experiment: &Experiment,
+    run: &Run,
+    (indices, gauges): (&[usize], &[Gauge]),
+    notes: &mut Vec<String>,
+) -> Log {
+    let mut all = noise::log(experiment, run, indices);
+    let tank = gauges.iter().position(|g| *g == Gauge::Tank);
+    let mut highest = f64::NAN;
+    let before = all.readings.len();
+    let mut of_tank = all
+        .readings
+        .iter()
+        .filter(|r| Some(r.channel) == tank)
+        .map(|r| (r.time, r.value))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .peekable();
+    all.readings.retain(|reading| {
+        while let Some((_, value)) = of_tank.next_if(|(time, _)| *time <= reading.time) {
+            highest = value;
+        }
+        let is_muscle = matches!(gauges[reading.channel], Gauge::Muscle(_));
+        !(is_muscle && reading.value > highest + ABOVE_TANK)
+    });
+    let left_out = before - all.readings.len();
+    if left_out > 0 {
+        notes.push(format!(
+            "{}: {left_out} readings of muscles above the tank's pressure are left out",
+            run.name
+        ));
+    }
+    all
+}
+
+impl Kind for Flights {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn logs(&self) -> &[Log] {
+        &self.logs
+    }
+
+    /// The pressure of the tank at the start, what the muscles' gauges say without pressure, and by
+    /// how much the track of the centre of mass is off.
+    fn unknowns(&self, run: usize) -> Vec<Parameter> {
+        let told = &self.told[run];
+        let about = |x: f64, by: f64| (x - by, x + by);
+        let mut all = vec![
+            unknown("tank_start_pa", told.tank, about(told.tank, START), 100.0),
+            unknown("gauge_zero_pa", told.zero, about(told.zero, START), 100.0),
+        ];
+        for gauge in &self.gauges {
+            if let Gauge::Center(k) = gauge {
+                let name = ["center_off_x_m", "center_off_y_m"][*k];
+                all.push(unknown(
+                    name,
+                    told.off[*k],
+                    about(told.off[*k], PLACE),
+                    1e-4,
+                ));
+            }
+        }
+        all
+    }
+
+    fn causes(&self) -> &[Cause] {
+        &self.causes.list
+    }
+
+    /// What the way to the air lets through, of which nobody says anything.
+    fn common(&self) -> usize {
+        1
+    }
+
+    fn listed(&self) -> usize {
+        self.listed
+    }
+
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let log = &self.logs[run];
+        let last = log.readings.last()?.time;
+        let course = self.course(run, self.changed(terms), unknowns[0], last)?;
+        let value = |effect, none| self.causes.or(effect, none, terms);
+        let sensor = |gauge: &Gauge| {
+            [
+                value(Effect::Delay(*gauge), 0.0),
+                value(Effect::Scale(*gauge), 1.0),
+                value(Effect::Offset(*gauge), 0.0),
+            ]
+        };
+        let sensors: Vec<[f64; 3]> = self.gauges.iter().map(sensor).collect();
+        let out: Vec<f64> = log
+            .readings
+            .iter()
+            .map(|reading| {
+                let gauge = self.gauges[reading.channel];
+                let [delay, scale, offset] = sensors[reading.channel];
+                let time = reading.time - delay;
+                let exact = match gauge {
+                    Gauge::Tank => course.tank(time),
+                    Gauge::Muscle(k) => course.muscle(k, time) + unknowns[1],
+                    Gauge::Center(k) => course.center(k, time) + unknowns[self.off(k)],
+                };
+                scale * exact + offset
+            })
+            .collect();
+        out.iter().all(|x| x.is_finite()).then_some(out)
+    }
+
+    /// Of a machine with so many parts, a model misses several at once.
+    fn most(&self) -> usize {
+        6
+    }
+
+    fn stronger(&self) -> String {
+        "jumps with shorter and longer openings, at several pressures of the tank".into()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+}
