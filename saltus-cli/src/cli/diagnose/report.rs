@@ -388,7 +388,8 @@ impl<'a> Report<'a> {
             self.finding(&mut out, finding);
         }
         if let Some(estimated) = self.estimated() {
-            out += &wrapped(&format!("\n{estimated}"), "");
+            out += "\n";
+            out += &wrapped(&estimated, "");
         }
         if let Some(unknown) = self.unknown() {
             out += "\nunknown\n";
