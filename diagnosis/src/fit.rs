@@ -14,7 +14,7 @@ pub(crate) const STEPS: usize = 40;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
 /// The same as a part of the loss beyond that of noise.
-const DONE_PART: f64 = 1e-5;
+const DONE_PART: f64 = 1e-4;
 /// Fall of the loss in terms of what corrected derivatives tell, below which they are taken anew.
 const GOOD: f64 = 0.7;
 /// Starts of a cause from which steps are made.
@@ -154,7 +154,19 @@ struct Problem<'a> {
     fit: Fit,
     /// Derivatives of the predictions of each run, for one of each parameter's scale: taken once,
     /// and then corrected by what every step has shown (Broyden).
-    slopes: Vec<Option<Vec<Vec<f64>>>>,
+    slopes: Slopes,
+}
+
+/// Derivatives of each run by each parameter it depends on; none where they are not known.
+pub(crate) type Slopes = Vec<Option<Vec<Vec<f64>>>>;
+
+/// How surely a fit ends where the loss is least.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// Derivatives that were taken there say so.
+    Sure,
+    /// Corrected derivatives may say so.
+    Rough,
 }
 
 /// A point of a search: predictions and residuals of each run, and the loss.
@@ -359,7 +371,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Levenberg–Marquardt from where the fit is, at most `steps` of it.
-    fn solve(&mut self, steps: usize) -> Option<()> {
+    fn solve(&mut self, steps: usize, end: End) -> Option<()> {
         let mut x = self.read();
         for (x, p) in x.iter_mut().zip(&self.parameters) {
             if !(p.neutral < p.bounds.0 || p.neutral > p.bounds.1) || *x != p.neutral {
@@ -368,7 +380,7 @@ impl<'a> Problem<'a> {
         }
         let mut point = self.at(&x)?;
         let mut damping = 1e-3;
-        let mut is_new = true;
+        let mut is_new = self.slopes.iter().all(Option::is_none);
         for _ in 0..steps {
             self.write(&x);
             let Some((matrix, slope)) = self.normal(&point) else {
@@ -378,7 +390,7 @@ impl<'a> Problem<'a> {
             let (from, before) = (x.clone(), point.predicted.clone());
             let (fall, as_told) = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
             if fall < done {
-                if is_new || self.parameters.len() == 1 {
+                if is_new || end == End::Rough || self.parameters.len() == 1 {
                     break;
                 }
                 // What hindered may have been the old ones.
@@ -516,23 +528,41 @@ pub(crate) fn refit(
 ) -> Option<Fit> {
     let shared = parameters_of(kind, &from.causes);
     let mut problem = Problem::new(kind, from, shared, runs, mask);
-    problem.solve(steps)?;
+    problem.solve(steps, End::Sure)?;
     Some(problem.fit)
 }
 
+/// The derivatives of all runs at `fit`; none where there are none.
+pub(crate) fn slopes(kind: &dyn Kind, fit: &Fit) -> Option<Slopes> {
+    let runs: Vec<usize> = (0..kind.logs().len()).collect();
+    let shared = parameters_of(kind, &fit.causes);
+    let mut problem = Problem::new(kind, fit.clone(), shared, &runs, &None);
+    let point = problem.at(&problem.read())?;
+    problem.look(&point)?;
+    Some(problem.slopes)
+}
+
 /// Fits the causes of `from` but for one of their parameters, which is `held` where it is, and all
-/// unknowns.
+/// unknowns. `slopes` are the derivatives not far from there.
 pub(crate) fn refit_but(
     kind: &dyn Kind,
     held: (usize, usize),
     from: Fit,
+    slopes: &Slopes,
     steps: usize,
 ) -> Option<Fit> {
     let runs: Vec<usize> = (0..kind.logs().len()).collect();
     let mut shared = parameters_of(kind, &from.causes);
-    shared.retain(|place| *place != held);
+    let index = shared.iter().position(|place| *place == held)?;
+    shared.remove(index);
     let mut problem = Problem::new(kind, from, shared, &runs, &None);
-    problem.solve(steps)?;
+    let but = |of_run: &Option<Vec<Vec<f64>>>| {
+        let mut columns = of_run.clone()?;
+        columns.remove(index);
+        Some(columns)
+    };
+    problem.slopes = slopes.iter().map(but).collect();
+    problem.solve(steps, End::Rough)?;
     Some(problem.fit)
 }
 
@@ -544,7 +574,7 @@ pub(crate) fn refit_unknowns(
     mask: &Mask,
 ) -> Option<Fit> {
     let mut problem = Problem::new(kind, model.clone(), Vec::new(), runs, mask);
-    problem.solve(STEPS)?;
+    problem.solve(STEPS, End::Sure)?;
     Some(problem.fit)
 }
 
@@ -639,6 +669,8 @@ fn fit_from(
     runs: &[usize],
     enough: f64,
 ) -> Option<Fit> {
+    /// Steps after which starts are compared.
+    const FIRST: usize = 4;
     if from.len() > MOST_STARTS {
         // The best as they are.
         let loss =
@@ -651,21 +683,24 @@ fn fit_from(
             .map(|(_, fit)| fit)
             .collect();
     }
-    let mut tried: Vec<Fit> = from
-        .into_iter()
-        .filter_map(|fit| refit(kind, fit, runs, &None, 4))
-        .collect();
-    tried.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-    let least = tried.first()?.loss;
+    let begun = |fit: Fit| {
+        let shared = parameters_of(kind, &fit.causes);
+        let mut problem = Problem::new(kind, fit, shared, runs, &None);
+        problem.solve(FIRST, End::Rough)?;
+        Some(problem)
+    };
+    let mut tried: Vec<Problem> = from.into_iter().filter_map(begun).collect();
+    tried.sort_by(|a, b| a.fit.loss.total_cmp(&b.fit.loss));
+    let least = tried.first()?.fit.loss;
     if base.loss - least < enough {
         return None;
     }
     // Starts that stay behind are given up.
-    tried.retain(|t| t.loss <= least + 0.1 * (base.loss - least).max(10.0));
-    let done = tried
-        .into_iter()
-        .take(2)
-        .filter_map(|t| refit(kind, t, runs, &None, STEPS));
+    tried.retain(|t| t.fit.loss <= least + 0.1 * (base.loss - least).max(10.0));
+    let done = tried.into_iter().take(2).filter_map(|mut problem| {
+        problem.solve(STEPS, End::Sure)?;
+        Some(problem.fit)
+    });
     done.min_by(|a, b| a.loss.total_cmp(&b.loss))
 }
 
@@ -793,7 +828,8 @@ mod tests {
         let mut from = toy.fitted(&[0, 1]);
         let free = from.terms.get(1, 0);
         from.terms.set(0, 0, 5.0);
-        let fit = refit_but(&toy, (0, 0), from, STEPS).expect("an answer");
+        let slopes = slopes(&toy, &from).expect("derivatives");
+        let fit = refit_but(&toy, (0, 0), from, &slopes, STEPS).expect("an answer");
         // Orthogonal to the one that is held.
         assert_eq!(fit.terms.get(0, 0), 5.0);
         assert!((fit.terms.get(1, 0) - free).abs() < 0.05, "{fit:?} {free}");

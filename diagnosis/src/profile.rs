@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::fit::{self, Fit, parameters_of};
+use crate::fit::{self, Fit, Slopes, parameters_of};
 use crate::kind::{Kind, Terms};
 use crate::tangent::Known;
 
@@ -32,6 +32,8 @@ pub(crate) struct Profile<'a> {
     pub(crate) fit: &'a Fit,
     /// How surely its parameters are known.
     pub(crate) known: &'a Known,
+    /// Derivatives of all runs there.
+    pub(crate) slopes: &'a Slopes,
     /// By how much more than white noise the residuals weigh.
     pub(crate) inflation: f64,
 }
@@ -82,7 +84,7 @@ impl Profile<'_> {
                     .set(c, p, x.clamp(other.bounds.0, other.bounds.1));
             }
             moved.terms.set(cause, parameter, from + side * distance);
-            fit::refit_but(self.kind, (cause, parameter), moved, STEPS)
+            fit::refit_but(self.kind, (cause, parameter), moved, self.slopes, STEPS)
         };
         let first = (LEVEL * inflation * all).sqrt() * spec.scale;
         crossing(fitted, first, most, (self.fit.loss, level))

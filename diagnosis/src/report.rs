@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use saltus_numeric::parallel;
 
 use crate::finding::{Candidate, Reported};
-use crate::fit::parameters_of;
+use crate::fit::{self, parameters_of};
 use crate::kind::{Cause, Kind, Parameter, Terms};
 use crate::policy::POLICY;
 use crate::profile::{Interval, Profile};
@@ -34,17 +34,19 @@ pub(crate) fn report(
     let spec = &kind.causes()[cause];
     let n = spec.parameters.len();
     let law = Law::new(spec, fit.terms.of(cause));
-    let ends = match &known {
-        Some(known) if with_intervals => {
+    let slopes = with_intervals.then(|| fit::slopes(kind, fit)).flatten();
+    let ends = match known.as_ref().zip(slopes.as_ref()) {
+        Some((known, slopes)) => {
             let profile = Profile {
                 kind,
                 fit,
                 known,
+                slopes,
                 inflation,
             };
             law.ends(cause, &profile)
         }
-        _ => vec![None; law.reported.len()],
+        None => vec![None; law.reported.len()],
     };
     let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),

@@ -135,7 +135,7 @@ impl<S: Scalar> Feed<S> {
                 let tube = Passage::tube(size, ENDS, (gas, cylinder.temperature), [high, low]);
                 let both = match tube {
                     Passage::Tube(a, b) => [a, b],
-                    Passage::Orifice(..) => [0.0; 2],
+                    Passage::Orifice(..) | Passage::LongTube(_) => [0.0; 2],
                 };
                 // Both are in proportion to the temperature.
                 both.map(|x| S::of(x / cylinder.temperature) * temperature)

@@ -40,41 +40,57 @@ pub struct Wall {
 pub enum Passage {
     /// An orifice: its law, and its effective area (m²).
     Orifice(OrificeLaw, f64),
-    /// A tube in which P₁² − P₂² = a ṁ + b ṁ²: a (Pa² s/kg) of laminar flow, b (Pa² s²/kg²) of
-    /// turbulent flow and of the ends; one of them is above 0. The gas has the temperature that both
+    /// A tube in which P₁² − P₂² = a ṁ + b ṁ²: a (Pa² s/kg) is all of a laminar flow, b (Pa² s²/kg²)
+    /// of the ends and of a fully rough tube; one of them is above 0. The gas has the temperature that both
     /// were computed for, whatever flows in.
     Tube(f64, f64),
+    /// The same with a third part of the law: P₁² − P₂² = a ṁ + b ṁ² + c ṁ^(7/4), as that of Blasius
+    /// for smooth tubes.
+    LongTube([f64; 3]),
 }
 
 impl Passage {
     /// A tube of this length, diameter and roughness (m), in which `gas` at `temperature` (K) flows
-    /// from `high` to `low` (Pa) at most: its friction factor is that of this flow. `ends` is the
-    /// loss of its ends and bends, in dynamic pressures. Length and diameter are above 0, roughness and
-    /// `ends` not below, and `high` is above `low`.
-    pub fn tube(
-        [length, diameter, roughness]: [f64; 3],
-        ends: f64,
-        (gas, temperature): (Gas, f64),
-        [high, low]: [f64; 2],
-    ) -> Passage {
-        /// From the friction factor to the flow and back; each round brings it ten times nearer.
-        const ROUNDS: usize = 12;
-        /// Reynolds number below which no flow through a tube is turbulent: Haaland's factor is
-        /// taken there, for it has a pole at 6.9.
-        const TURBULENT: f64 = 2300.0;
-        let specific = gas.constant * temperature;
-        let area = 0.25 * PI * diameter * diameter;
-        let laminar = 256.0 * VISCOSITY * length * specific / (PI * diameter.powi(4));
-        let turbulent =
-            |factor: f64| (factor * length / diameter + ends) * specific / (area * area);
-        let mut factor = 0.02;
-        for _ in 0..ROUNDS {
-            let flow = Passage::Tube(laminar, turbulent(factor)).flow([high, temperature], low);
-            let reynolds = (4.0 * flow / (PI * diameter * VISCOSITY)).max(TURBULENT);
-            let rough = (roughness / diameter / 3.7).powf(1.11);
-            factor = (-1.8 * (6.9 / reynolds + rough).log10()).powi(-2);
+    /// from `high` to `low` (Pa) at most: its law is that of Darcy and Weisbach at this flow and at a
+    /// third of it. The friction factor is Haaland's, or that of laminar flow where it is greater.
+    /// `ends` is the loss of its ends and bends, in dynamic pressures. Length and diameter are above
+    /// 0, roughness and `ends` not below, and `high` is above `low`.
+    pub fn tube(size: [f64; 3], ends: f64, gas: (Gas, f64), [high, low]: [f64; 2]) -> Passage {
+        const PART: f64 = 1.0 / 3.0;
+        let each = resistance(size, ends, gas);
+        let flow = greatest(&each, (high - low) * (high + low));
+        let [fast, slow] = [each(flow), each(PART * flow)];
+        let a = (slow - fast) * flow / (1.0 / PART - 1.0);
+        Passage::Tube(a, (fast - a / flow).max(0.0))
+    }
+
+    /// The same tube by a law that is that of Darcy and Weisbach at a tenth of the greatest flow as
+    /// well, and within 1 % of it between: for gas that flows ever slower.
+    pub fn long_tube(size: [f64; 3], ends: f64, gas: (Gas, f64), [high, low]: [f64; 2]) -> Passage {
+        /// Flows in terms of the greatest.
+        const AT: [f64; 3] = [1.0, 0.4, 0.1];
+        let each = resistance(size, ends, gas);
+        let flow = greatest(&each, (high - low) * (high + low));
+        // a/ṁ + b + c ṁ^(−1/4) at these flows: differences rid it of b.
+        let of = |part: f64| {
+            [
+                each(part * flow),
+                1.0 / (part * flow),
+                (part * flow).powf(-0.25),
+            ]
+        };
+        let [fast, middle, slow] = AT.map(of);
+        let less = |x: [f64; 3], y: [f64; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];
+        let (m, n) = (less(middle, fast), less(slow, fast));
+        let whole = m[1] * n[2] - m[2] * n[1];
+        let a = (m[0] * n[2] - m[2] * n[0]) / whole;
+        let c = (m[1] * n[0] - m[0] * n[1]) / whole;
+        let b = fast[0] - a * fast[1] - c * fast[2];
+        if a >= 0.0 && b >= 0.0 && c >= 0.0 {
+            Passage::LongTube([a, b, c])
+        } else {
+            Passage::tube(size, ends, gas, [high, low])
         }
-        Passage::Tube(laminar, turbulent(factor))
     }
 
     /// The passage that lets `share` times as much through.
@@ -83,6 +99,9 @@ impl Passage {
         match self {
             Passage::Orifice(law, area) => Passage::Orifice(law, share * area),
             Passage::Tube(a, b) => Passage::Tube(a / share, b / (share * share)),
+            Passage::LongTube([a, b, c]) => {
+                Passage::LongTube([a / share, b / (share * share), c / share.powf(1.75)])
+            }
         }
     }
 
@@ -98,8 +117,67 @@ impl Passage {
                 }
                 2.0 * fall / (a + (a * a + 4.0 * b * fall).sqrt())
             }
+            Passage::LongTube(law) => through(law, (up - down) * (up + down)),
         }
     }
+}
+
+/// Mass flow (kg/s) at which a law a ṁ + b ṁ² + c ṁ^(7/4) comes to `fall` (Pa²), ≥ 0.
+fn through([a, b, c]: &[f64; 3], fall: f64) -> f64 {
+    /// Far more than a search takes.
+    const ROUNDS: usize = 50;
+    if fall == 0.0 {
+        return 0.0;
+    }
+    let quadratic = |b: f64| 2.0 * fall / (a + (a * a + 4.0 * b * fall).sqrt());
+    let root = |flow: f64| c / flow.sqrt().sqrt();
+    // Without the third part too much flows, by which that part is too small; so often enough.
+    let most = if *a > 0.0 || *b > 0.0 {
+        quadratic(*b)
+    } else {
+        (fall / c).powf(4.0 / 7.0)
+    };
+    let mut flow = quadratic(b + root(most));
+    for _ in 0..ROUNDS {
+        let root = root(flow);
+        let told = flow * (a + flow * (b + root));
+        // The law is nearly a power n of the flow; of the n-th root of fall/told, Padé's first.
+        let n = flow * (a + flow * (2.0 * b + 1.75 * root)) / told;
+        let (more, less) = ((n + 1.0) * fall, (n - 1.0) * told);
+        let to = (more + less) / ((n - 1.0) * fall + (n + 1.0) * told);
+        flow *= to;
+        // What is left falls with the cube of it.
+        if (to - 1.0).abs() <= 1e-5 {
+            break;
+        }
+    }
+    flow
+}
+
+/// (P₁² − P₂²)/ṁ² (Pa² s²/kg²) of a tube over the mass flow (kg/s), by Darcy and Weisbach.
+fn resistance(
+    [length, diameter, roughness]: [f64; 3],
+    ends: f64,
+    (gas, temperature): (Gas, f64),
+) -> impl Fn(f64) -> f64 {
+    /// Reynolds number below which laminar flow has the greater factor: Haaland's has a pole at
+    /// 6.9.
+    const LAMINAR: f64 = 500.0;
+    let area = 0.25 * PI * diameter * diameter;
+    let rough = (roughness / diameter / 3.7).powf(1.11);
+    move |flow| {
+        let reynolds = 4.0 * flow / (PI * diameter * VISCOSITY);
+        let haaland = (-1.8 * (6.9 / reynolds.max(LAMINAR) + rough).log10()).powi(-2);
+        let factor = haaland.max(64.0 / reynolds);
+        (factor * length / diameter + ends) * gas.constant * temperature / (area * area)
+    }
+}
+
+/// The mass flow (kg/s) of such a tube at a `fall` (Pa²).
+fn greatest(resistance: impl Fn(f64) -> f64, fall: f64) -> f64 {
+    /// From the friction factor to the flow and back; each round at least halves what is left.
+    const ROUNDS: usize = 60;
+    (0..ROUNDS).fold(1e-3, |flow, _| (fall / resistance(flow)).sqrt())
 }
 
 /// The line from the tank to a chamber, through a valve of its own.

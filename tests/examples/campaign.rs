@@ -50,7 +50,7 @@ fn main() {
     let (first, seeds) = (number("first", 1), number("seeds", 1));
     let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();
     for sort in lab::SORTS {
-        let name = format!("{sort:?}").to_lowercase();
+        let name = sort.spec().id.to_owned();
         let wanted = option("kind").unwrap_or_else(|| "flight".into());
         if wanted != "all" && !wanted.split(',').any(|x| x == name) {
             continue;

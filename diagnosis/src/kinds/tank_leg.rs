@@ -217,8 +217,9 @@ impl Flights {
     }
 }
 
-/// Courses of a run that are kept: what a gauge makes of one takes no time beside it.
-const KEPT: usize = 50;
+/// Courses of a run that are kept: what a gauge makes of one takes no time beside it, and every
+/// cause that is tried beside others begins at the same one, with the same derivatives.
+const KEPT: usize = 400;
 
 /// A course with the machine and the pressure (Pa) of the tank that it is of.
 type Known = (Changed, f64, Option<Arc<Course>>);
@@ -240,12 +241,14 @@ impl Flights {
             let all = self.courses[run].0.lock();
             all.unwrap_or_else(PoisonError::into_inner)
         };
-        let known = kept()
-            .iter()
-            .rev()
-            .find(|k| k.0 == changed && k.1 == tank)
-            .cloned();
-        if let Some((_, _, course)) = known {
+        let again = || {
+            let mut all = kept();
+            let at = all.iter().rposition(|k| k.1 == tank && k.0 == changed)?;
+            let known = all.remove(at)?;
+            all.push_back(known.clone());
+            Some(known.2)
+        };
+        if let Some(course) = again() {
             return course;
         }
         let course = flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new);
@@ -304,8 +307,8 @@ impl Kind for Flights {
         &self.logs
     }
 
-    /// The pressure of the tank at the start, what the muscles' gauges say without pressure, and by
-    /// how much the track of the centre of mass is off.
+    /// What the tank's gauge says at the start, what the muscles' gauges say without pressure, and
+    /// by how much the track of the centre of mass is off.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         let told = &self.told[run];
         let about = |x: f64, by: f64| (x - by, x + by);
@@ -343,7 +346,6 @@ impl Kind for Flights {
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let log = &self.logs[run];
         let last = log.readings.last()?.time;
-        let course = self.course(run, self.changed(terms), unknowns[0], last)?;
         let value = |effect, none| self.causes.or(effect, none, terms);
         let sensor = |gauge: &Gauge| {
             [
@@ -353,6 +355,10 @@ impl Kind for Flights {
             ]
         };
         let sensors: Vec<[f64; 3]> = self.gauges.iter().map(sensor).collect();
+        // A gauge that is off is so at the start as well.
+        let [_, scale, offset] = sensor(&Gauge::Tank);
+        let start = (unknowns[0] - offset) / scale;
+        let course = self.course(run, self.changed(terms), start, last)?;
         let out: Vec<f64> = log
             .readings
             .iter()

@@ -150,11 +150,7 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
             needed = needed.max(0.0) + doubt.map_or(0.0, |cause| evidence.gain_by_chance(*cause));
             least = POLICY.share_correlated * fitness::excess(evidence.kind, model);
         }
-        // What a sensor does wrong can take the shape of much that a model lacks.
-        let of_sensor = |cause: &usize| evidence.kind.causes()[*cause].column.is_some();
-        let is_told = by_runs && !step.fit.causes.last().is_some_and(of_sensor);
-        let is_far_better = || is_told && predicts_far_better(evidence, model, &step.fit);
-        let is_chance = gain < needed && !is_far_better();
+        let is_chance = gain < needed && !(by_runs && predicts_far_better(evidence, model, &step.fit));
         if is_chance || step.gain < least {
             break;
         }
@@ -169,8 +165,13 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
 }
 
 /// Whether `fit` predicts data left out far better than `model`, run by run: what `model` leaves is
-/// then the cause that it lacks, and no measure of chance.
-fn predicts_far_better(evidence: &Evidence, model: &Fit, fit: &Fit) -> bool {
+/// then the cause that it lacks, and no measure of chance. Not of a cause of a sensor: what a sensor
+/// does wrong can take the shape of much that a model lacks.
+pub(crate) fn predicts_far_better(evidence: &Evidence, model: &Fit, fit: &Fit) -> bool {
+    let mut more = fit.causes.iter().filter(|c| !model.causes.contains(c));
+    if more.any(|cause| evidence.kind.causes()[*cause].column.is_some()) {
+        return false;
+    }
     let losses = |of: &Fit| evidence.held_out_losses(of).unwrap_or_default();
     let (before, after) = (losses(model), losses(fit));
     let better = after.iter().zip(&before).filter(|(a, b)| a < b).count();

@@ -2,6 +2,7 @@
 
 use crate::evidence::Evidence;
 use crate::fit::Fit;
+use crate::stages::add::predicts_far_better;
 
 /// `model` without the causes that explain no more than chance, or do less than the error of the
 /// model, beside the others.
@@ -20,8 +21,14 @@ pub(crate) fn prune(evidence: &Evidence, mut model: Fit, inflation: f64) -> Fit 
 
 /// Whether `base` does as well as `model`, which has `cause` too.
 fn is_needless(evidence: &Evidence, base: &Fit, model: &Fit, cause: usize, inflation: f64) -> bool {
-    let inflation = evidence.inflation_between(base, model, inflation);
-    (base.loss - model.loss) / inflation < evidence.gain_by_chance(cause)
+    let between = evidence.inflation_between(base, model, inflation);
+    let is_chance = (base.loss - model.loss) / between < evidence.gain_by_chance(cause);
+    let is_told = || {
+        evidence.is_correlated(inflation)
+            && evidence.has_runs()
+            && predicts_far_better(evidence, base, model)
+    };
+    (is_chance && !is_told())
         || evidence.effect(base, model) < evidence.least_effect(cause, 1)
 }
 

@@ -19,6 +19,7 @@ pub mod running;
 mod sensing;
 mod slide;
 mod stroke;
+mod tank_leg;
 mod vessel;
 
 use std::borrow::Cow;
@@ -65,7 +66,7 @@ pub enum Size {
 }
 
 /// Every kind that [`make`] can make; [`running`] makes logs of kind run.
-pub const SORTS: [Sort; 9] = [
+pub const SORTS: [Sort; 10] = [
     Sort::Bench,
     Sort::Hop,
     Sort::Jump,
@@ -75,6 +76,7 @@ pub const SORTS: [Sort; 9] = [
     Sort::Slide,
     Sort::Vessel,
     Sort::Pendulum,
+    Sort::TankLeg,
 ];
 
 /// Ids of the causes that show in an experiment of `kind`.
@@ -91,8 +93,8 @@ pub fn causes_of(kind: Sort) -> &'static [&'static str] {
         Sort::Slide => slide::CAUSES,
         Sort::Vessel => vessel::CAUSES,
         Sort::Pendulum => pendulum::CAUSES,
-        // `running` makes logs of runs; of the other machines none are made here.
-        Sort::Run | Sort::TankLeg | Sort::Walk | Sort::Machine => &[],
+        Sort::TankLeg => tank_leg::CAUSES,
+        Sort::Run | Sort::Walk | Sort::Machine => &[],
     }
 }
 
@@ -105,7 +107,7 @@ pub fn kinds_of(id: &str) -> Vec<Sort> {
 }
 
 /// Effects that no listed cause explains, by kind.
-pub const OUTSIDE: [(Sort, &[&str]); 9] = [
+pub const OUTSIDE: [(Sort, &[&str]); 10] = [
     (Sort::Bench, bench::OUTSIDE),
     (Sort::Hop, rig::HOP_OUTSIDE),
     (Sort::Jump, rig::JUMP_OUTSIDE),
@@ -115,6 +117,7 @@ pub const OUTSIDE: [(Sort, &[&str]); 9] = [
     (Sort::Slide, slide::OUTSIDE),
     (Sort::Vessel, vessel::OUTSIDE),
     (Sort::Pendulum, pendulum::OUTSIDE),
+    (Sort::TankLeg, tank_leg::OUTSIDE),
 ];
 
 /// Ids of the effects on an experiment of `kind` that no listed cause explains.
@@ -135,6 +138,25 @@ pub fn outside(kind: Sort) -> &'static [&'static str] {
 /// For an id that is neither in [`causes_of`] nor in [`outside`] of this kind.
 pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
     make_rough(kind, hidden, 0.0, seed)
+}
+
+/// An experiment in which nothing is hidden, without noise; what it has is known all the same.
+///
+/// # Panics
+/// For a kind that is not in [`SORTS`].
+pub fn exact(kind: Sort, seed: u64) -> Experiment {
+    let world = world(kind, &[], seed);
+    let still: Vec<Column> = world
+        .columns()
+        .iter()
+        .map(|column| Column::noisy(column.name, 0.0))
+        .collect();
+    let logs = Neutral::of(&*world).logs;
+    let read = measured(kind, &still, logs, &mut Draw::new(seed, 1));
+    Experiment {
+        noise: noise(world.columns()),
+        ..read
+    }
 }
 
 /// The same with what no cause explains: a smooth random process in every column, with a standard
@@ -188,7 +210,7 @@ pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], discrepancy: f64, seed: u
             &mut Draw::new(seed, 2),
         );
     }
-    let experiment = measured(kind, &*world, logs, &mut Draw::new(seed, 1));
+    let experiment = measured(kind, world.columns(), logs, &mut Draw::new(seed, 1));
     Case {
         experiment,
         robot: world.robot().map(str::to_owned),
@@ -247,8 +269,9 @@ fn world(kind: Sort, ids: &[&str], seed: u64) -> Box<dyn World> {
         Sort::Slide => Box::new(slide::Slides::new(&mut draw)),
         Sort::Vessel => Box::new(vessel::Vessels::new(ids, &mut draw)),
         Sort::Pendulum => Box::new(pendulum::Pendulums::new(&mut draw)),
+        Sort::TankLeg => Box::new(tank_leg::TankLegs::new(&mut draw)),
         Sort::Run => panic!("lab::running makes logs of kind run"),
-        Sort::TankLeg | Sort::Walk | Sort::Machine => panic!("none of these are made here"),
+        Sort::Walk | Sort::Machine => panic!("the laboratory has no {kind:?}"),
     }
 }
 
@@ -450,12 +473,10 @@ fn greatest<'a>(
 /// The experiment as its operator has it.
 fn measured(
     kind: Sort,
-    world: &dyn World,
+    columns: &[Column],
     logs: Vec<Option<Exact>>,
     draw: &mut Draw,
 ) -> Experiment {
-    let columns = world.columns();
-    let some = |x: f64| (x > 0.0).then_some(x);
     let mut runs: Vec<Run> = Vec::new();
     for log in logs.into_iter().flatten() {
         let read = |(column, values): (&Column, &Vec<f64>)| {
@@ -492,13 +513,22 @@ fn measured(
             .iter()
             .map(|column| column.name.to_owned())
             .collect(),
-        noise: columns.iter().map(|column| some(column.noise)).collect(),
+        noise: noise(columns),
         resolution: columns
             .iter()
             .map(|column| some(column.resolution))
             .collect(),
         runs,
     }
+}
+
+/// What the operator knows of noise.
+fn noise(columns: &[Column]) -> Vec<Option<f64>> {
+    columns.iter().map(|column| some(column.noise)).collect()
+}
+
+fn some(x: f64) -> Option<f64> {
+    (x > 0.0).then_some(x)
 }
 
 #[cfg(test)]

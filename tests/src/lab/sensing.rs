@@ -83,7 +83,13 @@ const KEYS: &[Keys] = keys![
     "force_n",
     "pressure_gauge_pa",
     "temperature_k",
-    "angle_rad"
+    "angle_rad",
+    "tank_pressure_gauge_pa",
+    "knee_right_pressure_gauge_pa",
+    "hip_right_pressure_gauge_pa",
+    "hip_left_pressure_gauge_pa",
+    "knee_left_pressure_gauge_pa",
+    "com_y_m"
 ];
 
 fn keys_of(column: &str) -> Option<&'static Keys> {

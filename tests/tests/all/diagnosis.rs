@@ -36,6 +36,7 @@ fn nothing_is_found_where_nothing_is_hidden() {
         Sort::Stroke,
         Sort::Slide,
         Sort::Vessel,
+        Sort::TankLeg,
     ] {
         // At one seed in twenty chance may look like an effect; not at this one.
         finds(sort, &[], 62);
@@ -93,6 +94,14 @@ fn a_clear_effect_in_flights_and_parts() {
         (Sort::Vessel, "gas-type"),
     ] {
         finds(sort, &[(id, Size::Clear)], 44);
+    }
+}
+
+/// Gas and legs of a robot that nothing of the diagnosis has simulated.
+#[test]
+fn a_clear_effect_in_jumps_from_a_tank() {
+    for id in ["tank", "tube", "series-spring"] {
+        finds(Sort::TankLeg, &[(id, Size::Clear)], 44);
     }
 }
 

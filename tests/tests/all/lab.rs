@@ -1,10 +1,11 @@
 //! The laboratory: what it hides can be seen, and follows from the seed.
 
-use saltus_diagnosis::{Sort, kinds, meaning, named};
+use saltus_diagnosis::{Experiment, Sort, Terms, kinds, meaning, named};
 use saltus_robot::Robot;
-use saltus_tests::lab::{Case, SORTS, Size, causes_of, kinds_of, make, outside};
+use saltus_tests::lab::{Case, SORTS, Size, causes_of, exact, kinds_of, make, outside};
 
-/// Every column has as many values as there are rows, time increases, and every value is a number.
+/// Every column has as many values as there are rows, time increases, and every value is a number;
+/// only what is noted by hand, without noise, may be there at the start alone.
 fn check_form(case: &Case) {
     let experiment = &case.experiment;
     assert!(!experiment.runs.is_empty());
@@ -17,9 +18,13 @@ fn check_form(case: &Case) {
             run.name
         );
         assert_eq!(run.values.len(), experiment.columns.len());
-        for values in &run.values {
+        for (k, values) in run.values.iter().enumerate() {
             assert_eq!(values.len(), run.time.len());
-            assert!(values.iter().all(|value| value.is_finite()), "{}", run.name);
+            let known = values.partition_point(|value| value.is_finite());
+            let is_noted = experiment.noise[k].is_none() && experiment.resolution[k].is_none();
+            let least = if is_noted { 1 } else { values.len() };
+            assert!(known >= least, "{} {}", run.name, experiment.columns[k]);
+            assert!(values[known..].iter().all(|value| value.is_nan()));
         }
     }
 }
@@ -37,8 +42,9 @@ fn check_sizes(kind: Sort, ids: &[&str], seed: u64) {
         if *id != "gas-type" {
             let subtle = make(kind, &[(id, Size::Subtle)], seed).truth[0].sigmas;
             // What the runs that gave the strength leave open; a foot that slips at all slips by
-            // some.
-            let most = if *id == "foot-slip" { 4.0 } else { 2.5 };
+            // some, and a leg that meets its spring late may meet it or not.
+            let is_sudden = *id == "foot-slip" || (kind == Sort::TankLeg && *id == "return-spring");
+            let most = if is_sudden { 4.0 } else { 2.5 };
             assert!((1.7..most).contains(&subtle), "{kind:?} {id}: {subtle}");
         }
     }
@@ -83,16 +89,73 @@ fn every_effect_on_a_robot_shows() {
     }
 }
 
+/// Some of gas, legs and sensors, and one that nobody lists.
+#[test]
+fn effects_on_a_tank_leg_show() {
+    let ids = [
+        "tube",
+        "series-spring",
+        "return-spring",
+        "sensor-delay",
+        "smooth-floor",
+    ];
+    check_sizes(Sort::TankLeg, &ids, 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn every_effect_on_a_tank_leg_shows() {
+    for seed in 0..3 {
+        check_sizes(Sort::TankLeg, causes_of(Sort::TankLeg), seed);
+        check_sizes(Sort::TankLeg, outside(Sort::TankLeg), seed);
+    }
+}
+
+/// What two models of the same robot make of it, with equations and integrators of their own: root
+/// mean squares of their differences in standard deviations of a reading, by channel. From when
+/// the muscles are vented on, they need not agree: what that lets through, the operator does not know.
+#[test]
+fn two_models_of_a_tank_leg_agree() {
+    const VENTED: f64 = 0.29;
+    for seed in 1..=4 {
+        let experiment = exact(Sort::TankLeg, seed);
+        let kind = kinds::build(&experiment, None).expect("a good experiment");
+        let off = Terms::off(kind.causes());
+        let mut squares = vec![(0.0, 0.0); kind.channels().len()];
+        for (run, log) in kind.logs().iter().enumerate() {
+            let unknowns: Vec<f64> = kind.unknowns(run).iter().map(|u| u.neutral).collect();
+            let predicted = kind.predict(run, &off, &unknowns).expect("a jump");
+            let rows = log.readings.iter().zip(&predicted);
+            for (reading, predicted) in rows.filter(|(reading, _)| reading.time < VENTED) {
+                let sigma = kind.channels()[reading.channel].noise;
+                let (sum, count) = &mut squares[reading.channel];
+                *sum += ((reading.value - predicted) / sigma).powi(2);
+                *count += 1.0;
+            }
+        }
+        for (channel, (sum, count)) in kind.channels().iter().zip(squares) {
+            // What steps of 2 ms leave out.
+            let rms: f64 = f64::sqrt(sum / count);
+            assert!(rms < 0.15, "seed {seed}, {}: {rms} σ", channel.name);
+        }
+    }
+}
+
+/// The same, with empty cells where both have them.
+fn same(a: &Experiment, b: &Experiment) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
+
 #[test]
 fn all_follows_from_the_seed() {
     for kind in SORTS {
         let id = causes_of(kind)[0];
         let [a, b, c] = [4, 4, 5].map(|seed| make(kind, &[(id, Size::Subtle)], seed));
         assert!(
-            a.experiment == b.experiment && a.truth == b.truth,
+            same(&a.experiment, &b.experiment) && a.truth == b.truth,
             "{kind:?}"
         );
-        assert!(a.experiment != c.experiment, "{kind:?}");
+        assert!(!same(&a.experiment, &c.experiment), "{kind:?}");
         // No effect, and two: the second is what it is alone.
         let none = make(kind, &[], 4);
         check_form(&none);
@@ -110,10 +173,8 @@ fn all_follows_from_the_seed() {
 
 #[test]
 fn every_named_cause_shows_somewhere() {
-    /// Of robots that are fed from a tank: the laboratory has none, and `machines` has measured ones.
-    const MEASURED: [&str; 3] = ["tube", "tank", "series-spring"];
     for (id, _) in named() {
-        assert!(!kinds_of(id).is_empty() || MEASURED.contains(&id), "{id}");
+        assert!(!kinds_of(id).is_empty(), "{id}");
     }
     for kind in SORTS {
         assert!(

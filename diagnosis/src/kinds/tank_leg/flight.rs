@@ -16,8 +16,14 @@ pub(super) const REST: f64 = 0.018;
 const AMBIENT: f64 = 101_325.0;
 /// Time (s) in which a muscle's shape follows its pressure.
 const SHAPE: f64 = 1e-3;
+/// A step is taken again, so often at most, where pressures that muscles follow go elsewhere than
+/// was foreseen by more than this (Pa): where valves turn.
+const RETAKES: usize = 4;
+const SURPRISE: f64 = 1e3;
 /// Losses of a tube's ends, in dynamic pressures.
 const ENDS: f64 = 1.5;
+/// Time constants of a spool after which it has moved, to one part in 10¹⁵.
+const SWITCHED: f64 = 35.0;
 /// Opening of a valve below which it is shut.
 const SHUT: f64 = 1e-6;
 
@@ -113,7 +119,7 @@ impl Told {
             tank,
             zero,
             off: [0.0; 2],
-            tube: Passage::tube(rig.tube, ENDS, gas, pressures),
+            tube: Passage::long_tube(rig.tube, ENDS, gas, pressures),
         };
         if let Some(machine) = rig.machine(&rig.believed()) {
             let still = vec![0.0; told.q.len()];
@@ -157,6 +163,16 @@ impl Course {
         self.rows.push(stock.manifold - AMBIENT);
         self.rows.extend(center);
         self.rows.extend(gauges);
+    }
+
+    /// Takes what is known at the start back to half a step before it, on the line through the
+    /// middle of the first step.
+    fn begin(&mut self) {
+        for column in 0..3 {
+            if let Some(middle) = self.rows.get(self.width + column) {
+                self.rows[column] = 2.0 * self.rows[column] - middle;
+            }
+        }
     }
 
     fn at(&self, column: usize, time: f64) -> f64 {
@@ -210,12 +226,21 @@ impl Muscles<'_> {
         }
     }
 
-    /// The shape of muscle `k` follows its gauge pressures (Pa) at both ends of a step of `h` (s).
-    fn follow(&mut self, k: usize, gauges: [f64; 2], h: f64) {
+    /// The shape of muscle `k` follows its gauge pressures (Pa) at both ends of a step of `h` (s);
+    /// by how much (Pa) it goes elsewhere than was foreseen.
+    fn follow(&mut self, k: usize, gauges: [f64; 2], h: f64) -> f64 {
         let [felt, rate] = &mut self.felt[k];
         let mean = 0.5 * (gauges[0] + gauges[1]);
+        let foreseen = *rate;
         *rate = (mean - *felt) / (SHAPE + 0.5 * h);
-        *felt += h * *rate;
+        h * (*rate - foreseen).abs()
+    }
+
+    /// All shapes go on by `h` (s).
+    fn go_on(&mut self, h: f64) {
+        for [felt, rate] in &mut self.felt {
+            *felt += h * *rate;
+        }
     }
 }
 
@@ -245,6 +270,9 @@ fn supply(rig: &Rig, told: &Told, changed: &Changed) -> Supply {
         Passage::Tube(a, b) if changed.outlet > 0.0 => {
             Some(Passage::Tube(changed.outlet * a, changed.outlet * b))
         }
+        Passage::LongTube(law) if changed.outlet > 0.0 => {
+            Some(Passage::LongTube(law.map(|x| changed.outlet * x)))
+        }
         _ => None,
     };
     Supply {
@@ -257,27 +285,37 @@ fn supply(rig: &Rig, told: &Told, changed: &Changed) -> Supply {
     }
 }
 
-/// A switch that is smooth in time, as a spool's is.
-fn smooth(time: f64, spool: f64) -> f64 {
-    1.0 / (1.0 + (-time / spool).exp())
+/// A switch 1/(1 + exp(−t/spool)), on average over a step of `h` (s) about `time` (s): a spool may
+/// be faster than a step.
+fn smooth(time: f64, h: f64, spool: f64) -> f64 {
+    // Its integral, ln(1 + exp x), without overflow.
+    let integral = |t: f64| spool * ((t / spool).max(0.0) + (-(t / spool).abs()).exp().ln_1p());
+    if time.abs() > 0.5 * h + SWITCHED * spool {
+        return if time > 0.0 { 1.0 } else { 0.0 };
+    }
+    (integral(time + 0.5 * h) - integral(time - 0.5 * h)) / h
 }
 
-/// How far the valve with these switches is open at `time` (s).
-fn opening(rig: &Rig, changed: &Changed, switches: &[(f64, bool)], time: f64) -> Opening {
+/// How far the valve with these switches is open in a step of `h` (s) about `time` (s).
+fn opening(
+    rig: &Rig,
+    changed: &Changed,
+    switches: &[(f64, bool)],
+    (time, h): (f64, f64),
+) -> Opening {
     let [opens, closes, vents] = changed.lags;
+    let smooth = |time: f64| smooth(time, h, rig.spool);
     let fill: f64 = switches
         .iter()
         .map(|(at, is_open)| {
             if *is_open {
-                smooth(time - at - opens, rig.spool)
+                smooth(time - at - opens)
             } else {
-                -smooth(time - at - closes, rig.spool)
+                -smooth(time - at - closes)
             }
         })
         .sum();
-    let vent = rig
-        .exhaust
-        .map_or(0.0, |at| smooth(time - at - vents, rig.spool));
+    let vent = rig.exhaust.map_or(0.0, |at| smooth(time - at - vents));
     let cut = |x: f64| if x < SHUT { 0.0 } else { x.min(1.0) };
     Opening {
         // What is vented is not filled.
@@ -340,21 +378,33 @@ fn fly_by(
     let (mut time, mut torques) = (told.first, vec![0.0; told.q.len()]);
     let (mut middle, mut end) = (now.clone(), now.clone());
     let mut valves = vec![Opening::default(); count];
+    let mut after = gauges.clone();
     while time < last {
-        for k in 0..count {
-            valves[k] = opening(rig, changed, &told.switches[k], time + 0.5 * h);
-            let strained = muscles.at(k, angle(&state, k, 0.5 * h), 0.5 * h);
-            middle[k] = strained.volume;
-            end[k] = muscles.at(k, angle(&state, k, h), h).volume;
-            let joint = &rig.joints[k];
-            torques[joint.coordinate] = joint.side() * joint.pulley * strained.pull;
+        for (valve, switches) in valves.iter_mut().zip(&told.switches) {
+            *valve = opening(rig, changed, switches, (time + 0.5 * h, h));
         }
-        supply.advance(&mut stock, h, [&now, &middle, &end], &valves);
-        for k in 0..count {
-            let gauge = supply.state(stock.lines[k], end[k])[0] - AMBIENT;
-            muscles.follow(k, [gauges[k], gauge], h);
-            gauges[k] = gauge;
+        let before = stock.clone();
+        for _ in 0..RETAKES {
+            for k in 0..count {
+                let strained = muscles.at(k, angle(&state, k, 0.5 * h), 0.5 * h);
+                middle[k] = strained.volume;
+                end[k] = muscles.at(k, angle(&state, k, h), h).volume;
+                let joint = &rig.joints[k];
+                torques[joint.coordinate] = joint.side() * joint.pulley * strained.pull;
+            }
+            stock.clone_from(&before);
+            supply.advance(&mut stock, h, [&now, &middle, &end], &valves);
+            let mut surprise: f64 = 0.0;
+            for k in 0..count {
+                after[k] = supply.state(stock.lines[k], end[k])[0] - AMBIENT;
+                surprise = surprise.max(muscles.follow(k, [gauges[k], after[k]], h));
+            }
+            if surprise < SURPRISE {
+                break;
+            }
         }
+        muscles.go_on(h);
+        gauges.clone_from(&after);
         if !machine.step(&mut state, h, &torques) {
             return None;
         }
@@ -362,6 +412,7 @@ fn fly_by(
         time += h;
         course.add(&stock, machine.center_of_step(&state), &gauges);
     }
+    course.begin();
     Some(course)
 }
 
