@@ -3,6 +3,7 @@
 use saltus_numeric::parallel;
 
 use crate::evidence::Evidence;
+use crate::finding::Candidate;
 use crate::fit::Fit;
 use crate::fitness;
 use crate::policy::POLICY;
@@ -25,11 +26,12 @@ pub(crate) fn exchange(evidence: &Evidence, mut model: Fit, inflation: f64) -> F
 fn better(evidence: &Evidence, model: &Fit, cause: usize, inflation: f64) -> Option<Fit> {
     let base = evidence.without(model, cause)?;
     let candidates = candidates_beside(evidence, &base);
-    let own = candidates.iter().find(|c| c.cause == cause)?;
+    // Fitted anew it may have stopped short of where it is.
+    let own = Candidate::new(evidence.kind, cause, &base, model.clone());
     let best = candidates.first()?;
     let inflation = evidence.inflation_between(&own.fit, &best.fit, inflation);
     let gain = |c| evidence.penalised_gain(c, inflation);
-    let is_better = best.cause != cause && gain(best) > gain(own) + POLICY.rival_loss;
+    let is_better = best.cause != cause && gain(best) > gain(&own) + POLICY.rival_loss;
     is_better.then(|| best.fit.clone())
 }
 
