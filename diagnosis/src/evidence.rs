@@ -309,6 +309,11 @@ impl<'a> Evidence<'a> {
         fit::refit(self.kind, base, &self.runs, &None, STEPS)
     }
 
+    /// `model` fitted again, from where it is.
+    pub(crate) fn again(&self, model: &Fit) -> Option<Fit> {
+        fit::refit(self.kind, model.clone(), &self.runs, &None, fit::STEPS)
+    }
+
     /// `base` with `cause`.
     pub(crate) fn with(&self, base: &Fit, cause: usize) -> Option<Fit> {
         fit::fit_with(self.kind, base, cause, &self.runs)

@@ -1,6 +1,9 @@
 //! Parameters from data: Levenberg–Marquardt on Huber's loss, with bounds.
 
+use std::time::{Duration, Instant};
+
 use nalgebra::{DMatrix, DVector};
+use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
 use crate::kind::{Kind, Parameter, Reading, Terms};
@@ -21,6 +24,9 @@ const GOOD: f64 = 0.7;
 const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
 pub(crate) const DIFFERENCE: f64 = 1e-3;
+
+/// Predictions of all runs that take longer are shared among processors.
+const SLOW: Duration = Duration::from_millis(2);
 
 /// Which readings count: for each run, one flag for each reading; none: all of them.
 pub(crate) type Mask = Option<Vec<Vec<bool>>>;
@@ -155,6 +161,8 @@ struct Problem<'a> {
     /// Derivatives of the predictions of each run, for one of each parameter's scale: taken once,
     /// and then corrected by what every step has shown (Broyden).
     slopes: Slopes,
+    /// Whether predictions take long.
+    is_slow: bool,
 }
 
 /// Derivatives of each run by each parameter it depends on; none where they are not known.
@@ -208,6 +216,7 @@ impl<'a> Problem<'a> {
             parameters,
             fit,
             slopes: vec![None; runs.len()],
+            is_slow: false,
         }
     }
 
@@ -241,7 +250,9 @@ impl<'a> Problem<'a> {
             residuals: Vec::new(),
             loss: 0.0,
         };
-        for &run in self.runs {
+        let started = Instant::now();
+        let of = |k: usize| {
+            let run = self.runs[k];
             let predicted = predicted(self.kind, run, &self.fit.terms, &self.fit.unknowns[run])?;
             let readings = &self.kind.logs()[run].readings;
             let residuals: Vec<f64> = readings
@@ -257,6 +268,12 @@ impl<'a> Problem<'a> {
                     }
                 })
                 .collect();
+            Some((predicted, residuals))
+        };
+        let all: Vec<Option<(Vec<f64>, Vec<f64>)>> = self.over(self.runs.len(), of);
+        self.is_slow |= started.elapsed() > SLOW;
+        for one in all {
+            let (predicted, residuals) = one?;
             point.loss += residuals.iter().map(|r| huber(*r)).sum::<f64>();
             point.predicted.push(predicted);
             point.residuals.push(residuals);
@@ -282,10 +299,9 @@ impl<'a> Problem<'a> {
 
     /// Takes the derivatives at `point` that are not known.
     fn look(&mut self, point: &Point) -> Option<()> {
-        for (k, (places, indices)) in self.places().into_iter().enumerate() {
-            if self.slopes[k].is_some() {
-                continue;
-            }
+        let all = self.places();
+        let of = |k: usize| {
+            let (places, indices) = &all[k];
             let run = self.runs[k];
             let unknowns = &self.fit.unknowns[run];
             let by = |(place, index): (&Place, &usize)| {
@@ -299,9 +315,25 @@ impl<'a> Problem<'a> {
                     place,
                 )
             };
-            self.slopes[k] = Some(places.iter().zip(&indices).map(by).collect::<Option<_>>()?);
+            places.iter().zip(indices).map(by).collect::<Option<_>>()
+        };
+        let new: Vec<usize> = (0..all.len())
+            .filter(|k| self.slopes[*k].is_none())
+            .collect();
+        let found: Vec<Option<Vec<Vec<f64>>>> = self.over(new.len(), |k| of(new[k]));
+        for (k, slopes) in new.into_iter().zip(found) {
+            self.slopes[k] = Some(slopes?);
         }
         Some(())
+    }
+
+    /// `work` of each run, on all processors where they have no other and it takes long.
+    fn over<R: Send>(&self, count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+        if self.is_slow && !parallel::is_shared() {
+            parallel::map(count, work)
+        } else {
+            (0..count).map(work).collect()
+        }
     }
 
     /// Corrects the derivatives by what `step` (in the parameters' scales) did to the predictions.
@@ -697,8 +729,14 @@ fn fit_from(
     }
     // Starts that stay behind are given up.
     tried.retain(|t| t.fit.loss <= least + 0.1 * (base.loss - least).max(10.0));
+    // Of a machine with so many parts, fits take long, and what is chosen is fitted again.
+    let end = if kind.most() > POLICY.many_causes {
+        End::Rough
+    } else {
+        End::Sure
+    };
     let done = tried.into_iter().take(2).filter_map(|mut problem| {
-        problem.solve(STEPS, End::Sure)?;
+        problem.solve(STEPS, end)?;
         Some(problem.fit)
     });
     done.min_by(|a, b| a.loss.total_cmp(&b.loss))

@@ -1,12 +1,23 @@
 //! Work shared among threads. Results come in the order of the work, whatever the number of
 //! threads.
 
+use std::cell::Cell;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Threads that the machine runs at once, at least 1.
 pub fn available() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+thread_local! {
+    /// Whether this thread has a share of work.
+    static IS_SHARING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether the work of this thread is a share of more, which has the processors already.
+pub fn is_shared() -> bool {
+    IS_SHARING.get()
 }
 
 /// `work` of 0 to `count` − 1, on all processors.
@@ -42,12 +53,14 @@ pub fn map_on<R: Send>(threads: usize, count: usize, work: impl Fn(usize) -> R +
     }
     let next = AtomicUsize::new(0);
     let take = || {
+        let before = IS_SHARING.replace(true);
         let mut done = Vec::new();
         while let index = next.fetch_add(1, Ordering::Relaxed)
             && index < count
         {
             done.push((index, work(index)));
         }
+        IS_SHARING.set(before);
         done
     };
     let mut done = std::thread::scope(|scope| {
