@@ -372,13 +372,24 @@ impl<S: Single> Stance<S> {
                     .is_some_and(|port| port.value() <= course.y[EXTENSION].value()),
                 ..Fed::at_rest(self, feed, None)
             };
-            advance(
+            let event = advance(
                 &aloft,
                 &mut course.y,
                 Some(until),
                 &mut pace,
                 &mut |_, _| (),
-            )
+            );
+            event.map_err(|error| match error {
+                StanceError::StepTooSmall { .. } | StanceError::TooManySteps { .. } => {
+                    StanceError::Input {
+                        name: "time (s) after touch-down at which the valve is shut",
+                        value: until.value(),
+                        allowed: "earlier: tank and chamber are even long before, and what flows to \
+                                  and fro then is too stiff to integrate",
+                    }
+                }
+                other => other,
+            })
         };
         if course.spool.open {
             go(course, close)?;

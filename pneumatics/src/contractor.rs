@@ -126,7 +126,7 @@ impl<S: Single> Contractor<S> {
         // Where the free contraction stays as it is.
         let stays = pressure.value() <= LEAST || pressure.value() >= self.plain.most;
         let at = if stays {
-            of(pressure.value().clamp(LEAST, self.plain.most))
+            of(pressure.value().max(LEAST).min(self.plain.most))
         } else {
             pressure
         };
@@ -217,6 +217,18 @@ mod tests {
             } else {
                 0.0
             },
+        }
+    }
+
+    #[test]
+    fn a_free_contraction_may_be_the_same_at_all_pressures() {
+        for slope in [0.0, -1e-7] {
+            let mut leg = contractor(f64::INFINITY);
+            leg.plain.reach = [0.03, slope, 0.0, 0.0, 0.0];
+            leg.plain.most = Muscle::rising_to(leg.plain.reach, 4.5e5);
+            assert_eq!(leg.plain.free_contraction(2e5), 0.03);
+            let pull = leg.plain.pull(0.008, 2e5);
+            assert!(pull > 0.0 && (leg.at(0.01, 2e5).force[0] - 0.8 * pull).abs() < 1e-9 * pull);
         }
     }
 

@@ -173,7 +173,7 @@ fn read_tank(s: Section, robot: &mut Robot) -> Result<(), RobotError> {
             place: s.place().clone(),
             key: "tank".into(),
             value: "a table".into(),
-            allowed: "left out for a leg that is not pneumatic: leg.kind".into(),
+            allowed: "left out for a leg whose leg.kind is not \"pneumatic\" or \"muscle\": it uses no gas".into(),
         });
     }
     let place = s.place().clone();

@@ -130,6 +130,7 @@ impl Robot {
         let (supply, bore, kelvin) = (cylinder.supply.0, cylinder.bore, cylinder.temperature);
         let (orifice, volume) = (cylinder.orifice_radius, cylinder.dead_volume);
         let radius = self.body.radius;
+        let has_bore = cylinder.muscle.is_none();
         let (key, is_weak) = (
             "leg.supply_pressure_gauge_pa",
             supply > 0.0 && supply < SUPPLY.0,
@@ -138,7 +139,8 @@ impl Robot {
             key, supply, is_weak => "is too weak to push", "kPa, bar or psi";
             key, supply, supply > SUPPLY.1 => "is more than a gas bottle holds", "a smaller unit";
             "leg.bore_m", bore, bore > 2.0 * radius => "is wider than the wheel", "mm";
-            "leg.orifice_radius_m", orifice, orifice > bore => "is wider than the cylinder", "mm";
+            "leg.orifice_radius_m", orifice, has_bore && orifice > bore
+                => "is wider than the cylinder", "mm";
             "leg.dead_volume_m3", volume, volume > ball(radius)
                 => "is more than the wheel holds", "cm³";
             "leg.gas_temperature_k", kelvin, kelvin < COLD => "is colder than gas", "°C";

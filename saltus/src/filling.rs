@@ -127,6 +127,11 @@ pub enum FillingError {
          tank.volume_l=0.5"
     )]
     NoTank,
+    /// A robot whose legs use no gas.
+    #[error(
+        "leg.kind: must be \"pneumatic\" or \"muscle\": other legs use no gas, and have no filling"
+    )]
+    NoGas,
     /// A number of the request.
     #[error("{name} = {value}: must be a finite number ≥ 0")]
     Request {
@@ -148,7 +153,7 @@ pub enum FillingError {
 /// How far a filling of the tank of `robot` carries.
 ///
 /// # Errors
-/// [`FillingError`] for a robot that does not carry its gas, and a request that is none.
+/// [`FillingError`] for a robot that does not carry its gas or uses none, and a request that is none.
 pub fn filling(robot: Robot, request: &Request) -> Result<Filling, FillingError> {
     for (name, value) in [
         ("height to clear (m)", request.clear),
@@ -157,6 +162,9 @@ pub fn filling(robot: Robot, request: &Request) -> Result<Filling, FillingError>
         if !(value >= 0.0 && value.is_finite()) {
             return Err(FillingError::Request { name, value });
         }
+    }
+    if robot.leg.cylinder().is_none() {
+        return Err(FillingError::NoGas);
     }
     let radius = robot.body.radius;
     let planner = Planner::new(robot);

@@ -216,7 +216,7 @@ impl fmt::Display for NoMotion {
                  jump starts just after the jumping leg touched down: set valid_from_s to that \
                  time. Or is it another robot that was measured?"
             ),
-            None => f.write_str(": is it the robot that was measured?"),
+            None => f.write_str(": is what the file says what was measured, with its units?"),
         }
     }
 }

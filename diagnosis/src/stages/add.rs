@@ -156,7 +156,8 @@ fn accepted(evidence: &Evidence, before: &Fit, path: &Path) -> (Fit, f64) {
             needed = needed.max(0.0) + doubt.map_or(0.0, |cause| evidence.gain_by_chance(*cause));
             least = POLICY.share_correlated * fitness::excess(evidence.kind, model);
         }
-        let is_chance = gain < needed && !(by_runs && predicts_far_better(evidence, model, &step.fit));
+        let is_chance =
+            gain < needed && !(by_runs && predicts_far_better(evidence, model, &step.fit));
         if is_chance || step.gain < least {
             break;
         }

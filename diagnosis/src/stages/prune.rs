@@ -28,13 +28,13 @@ fn is_needless(evidence: &Evidence, base: &Fit, model: &Fit, cause: usize, infla
             && evidence.has_runs()
             && predicts_far_better(evidence, base, model)
     };
-    (is_chance && !is_told())
-        || evidence.effect(base, model) < evidence.least_effect(cause, 1)
+    (is_chance && !is_told()) || evidence.effect(base, model) < evidence.least_effect(cause, 1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kind::Cause;
     use crate::settings::Settings;
     use crate::toy::{Toy, noise, sum, wave};
 
@@ -49,8 +49,15 @@ mod tests {
         assert_eq!(found.causes, [1, 2]);
         // Each of them explains far more than chance.
         assert_eq!(prune(&evidence, found.clone(), 1.0).causes, [1, 2]);
-        // Where a unit of loss is worth a thousandth, one is enough.
-        assert_eq!(prune(&evidence, found, 1000.0).causes.len(), 1);
+        // Where a unit of loss is worth a thousandth, runs that are left out decide, but not about
+        // sensors, of which one is enough.
+        assert_eq!(prune(&evidence, found.clone(), 1000.0).causes, [1, 2]);
+        let of_sensor = |cause: &mut Cause| cause.column = Some("y".into());
+        let toy = toy.with(1, of_sensor).with(2, of_sensor);
+        assert_eq!(
+            prune(&toy.evidence(&settings), found, 1000.0).causes.len(),
+            1
+        );
     }
 
     /// A gain of 10.83 is what chance exceeds once in a thousand times.

@@ -945,8 +945,8 @@ fn what_a_robot_carries_its_gas_in() {
     let error = resolve("spring-hopper", &["tank.volume_l=1".into()]).expect_err("no gas");
     assert_eq!(
         error.to_string(),
-        "--set tank.volume_l=1: tank = a table: must be left out for a leg that is not pneumatic: \
-         leg.kind"
+        "--set tank.volume_l=1: tank = a table: must be left out for a leg whose leg.kind is not \
+         \"pneumatic\" or \"muscle\": it uses no gas"
     );
 }
 

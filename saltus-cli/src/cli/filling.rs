@@ -235,6 +235,9 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
         .map_or(Outcome::Stall, |hop| hop.outcome)
         .name();
     let why = match found.end {
+        End::NoLiftOff if outcome == Outcome::EarlyLiftOff.name() => {
+            format!("in jump {number} the robot leaves the ground before the leg is fired")
+        }
         End::NoLiftOff => format!("jump {number} does not lift off: {outcome}"),
         End::TooLow if request.clear == 0.0 => format!("jump {number} does not clear the ground"),
         End::TooLow => {

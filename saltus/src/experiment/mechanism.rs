@@ -338,6 +338,8 @@ impl Names<'_> {
 
     fn spring(&self, mut s: Section) -> Result<Spring, RobotError> {
         let joint = self.link(&mut s, "joint");
+        // Its keys follow from how the joint moves.
+        s.stop_at_problem()?;
         let turns = self.links[joint].joint.turns();
         let (place, force, stiffness) = if turns {
             (ANGLE, ("torque", TORQUE), ANGULAR_STIFFNESS)
