@@ -126,7 +126,7 @@ fn bad_input_is_named() {
         ),
         (
             "--robot spring-hopper",
-            "tank.volume: must be given, and finite",
+            "leg.kind: must be \"pneumatic\" or \"muscle\"",
         ),
         (
             "--set tank.volume_l=0",
@@ -149,6 +149,10 @@ fn bad_input_is_named() {
             "must be a whole number from 1 to 100000",
         ),
         ("--set tank.volume_l=1 --pause -1", "--pause"),
+        (
+            "--set tank.volume_l=0.2 --valve-open 100",
+            "at which the valve is shut",
+        ),
         ("--set tank.volume_l=1 --clear nan", "--clear"),
     ] {
         let run = run(&folder, more);
