@@ -309,9 +309,22 @@ impl<'a> Evidence<'a> {
         fit::refit(self.kind, base, &self.runs, &None, STEPS)
     }
 
-    /// `model` fitted again, from where it is.
-    pub(crate) fn again(&self, model: &Fit) -> Option<Fit> {
-        fit::refit(self.kind, model.clone(), &self.runs, &None, fit::STEPS)
+    /// A candidate that is chosen: where several causes are lacking, its fit ended roughly, and is gone on with.
+    pub(crate) fn settled(&self, mut candidate: Candidate) -> Candidate {
+        let again = || {
+            fit::refit(
+                self.kind,
+                candidate.fit.clone(),
+                &self.runs,
+                &None,
+                fit::STEPS,
+            )
+        };
+        if let Some(fit) = self.lacks_several().then(again).flatten() {
+            candidate.gain += candidate.fit.loss - fit.loss;
+            candidate.fit = fit;
+        }
+        candidate
     }
 
     /// `base` with `cause`.

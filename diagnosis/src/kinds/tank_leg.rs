@@ -390,3 +390,35 @@ impl Kind for Flights {
         self.notes.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Sort;
+    use crate::layout::{Draw, Layout};
+
+    /// A gauge of the tank that reads too much says so at the start as well: the same robot with as
+    /// much less in its tank.
+    #[test]
+    fn a_gauge_that_is_off_is_so_at_the_start() {
+        const OFF: f64 = 2e4;
+        let layout = Layout::new(Sort::TankLeg, false, Some(1), &mut Draw::new(5));
+        let kind = Flights::new(&layout.experiment).expect("a robot");
+        let own: Vec<f64> = kind.unknowns(0).iter().map(|p| p.neutral).collect();
+        let off = |gauge: &Gauge| {
+            let place = kind.causes.effects.iter();
+            let is_it = |effect: &Effect| *effect == Effect::Offset(*gauge);
+            place.into_iter().position(is_it).expect("a cause")
+        };
+        let mut terms = Terms::off(kind.causes());
+        let right = kind.predict(0, &terms, &own).expect("a jump");
+        terms.set(off(&Gauge::Tank), 0, OFF);
+        let more = [&[own[0] + OFF], &own[1..]].concat();
+        let found = kind.predict(0, &terms, &more).expect("a jump");
+        for (reading, (found, right)) in kind.logs[0].readings.iter().zip(found.iter().zip(right)) {
+            let is_tank = kind.gauges[reading.channel] == Gauge::Tank;
+            let expected = right + if is_tank { OFF } else { 0.0 };
+            assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+        }
+    }
+}

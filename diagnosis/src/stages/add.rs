@@ -101,7 +101,7 @@ impl Path {
         } else {
             None
         };
-        let Some(mut best) = best else {
+        let Some(best) = best else {
             let pair = pairs::add(evidence, tangent, &self.current)?;
             return Some(Step {
                 gain: self.current.loss - pair.loss,
@@ -111,12 +111,7 @@ impl Path {
                 contradicts: false,
             });
         };
-        if evidence.lacks_several()
-            && let Some(fit) = evidence.again(&best.fit)
-        {
-            best.gain += best.fit.loss - fit.loss;
-            best.fit = fit;
-        }
+        let best = evidence.settled(best);
         // The best cause may be within the model's own error. Weaker ones are too then: stop.
         let least = evidence.least_effect(best.cause, self.steps.len());
         (evidence.effect(&self.current, &best.fit) >= least).then(|| Step {

@@ -25,14 +25,14 @@ pub(crate) fn exchange(evidence: &Evidence, mut model: Fit, inflation: f64) -> F
 
 fn better(evidence: &Evidence, model: &Fit, cause: usize, inflation: f64) -> Option<Fit> {
     let base = evidence.without(model, cause)?;
-    let candidates = candidates_beside(evidence, &base);
+    let mut candidates = candidates_beside(evidence, &base).into_iter();
     // Fitted anew it may have stopped short of where it is.
     let own = Candidate::new(evidence.kind, cause, &base, model.clone());
-    let best = candidates.first()?;
+    let best = candidates.next()?;
     let inflation = evidence.inflation_between(&own.fit, &best.fit, inflation);
     let gain = |c| evidence.penalised_gain(c, inflation);
-    let is_better = best.cause != cause && gain(best) > gain(&own) + POLICY.rival_loss;
-    is_better.then(|| best.fit.clone())
+    let is_better = best.cause != cause && gain(&best) > gain(&own) + POLICY.rival_loss;
+    is_better.then(|| evidence.settled(best).fit)
 }
 
 /// `model` with one of its causes replaced by two, where residuals are correlated and there is room

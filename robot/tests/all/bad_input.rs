@@ -962,6 +962,8 @@ fn what_is_no_muscle() {
     let robot = Robot::parse(sound, "leg.toml", Path::new(".")).expect("sound");
     let again = Robot::parse(&robot.to_toml(), "leg.toml", Path::new("."));
     assert_eq!(again.expect("sound"), robot);
+    // It has no bore that its orifice could be wider than.
+    assert_eq!(robot.implausible(), []);
     let refused = |old: &str, new: &str, expected: &str| {
         assert!(sound.contains(old), "{old}");
         let said = complaint(&sound.replacen(old, new, 1)).replace("hopper.toml", "leg.toml");

@@ -194,6 +194,10 @@ fn what_is_wrong_is_named() {
             "leg.toml:10: link 1.mass_g = -1: must be a mass ≥ 0",
         ),
         (
+            change("joint = \"leg\"\nstiffness", "joint = \"knee\"\nstiffness"),
+            "spring 1.joint = \"knee\": must be",
+        ),
+        (
             change("[0, 10, 30]", "[0, 30, 10]"),
             "leg.toml:30: at of the spring in slider = [0.0, 0.03, 0.01] with 3 of force: must be two \
              places at least, which rise, with a number for each",
