@@ -155,12 +155,23 @@ fn another_machine_has_another_hash() {
     );
 }
 
+/// [`LEG`] with one thing of it changed.
+fn change(from: &str, to: &str) -> String {
+    assert!(LEG.contains(from), "{from}");
+    LEG.replacen(from, to, 1)
+}
+
+/// That each description is refused in the words beside it.
+fn assert_refused(name: &str, cases: impl IntoIterator<Item = (String, &'static str)>) {
+    for (leg, expected) in cases {
+        let data = folder(name, &leg);
+        let error = read(&data.path("."), &|_| ()).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\n{expected}");
+    }
+}
+
 #[test]
-fn what_is_wrong_is_named() {
-    let change = |from: &str, to: &str| {
-        assert!(LEG.contains(from), "{from}");
-        LEG.replacen(from, to, 1)
-    };
+fn links_that_are_no_chain_are_named() {
     let link = |k: usize, parent: &str| {
         format!(
             "[[link]]\nname = \"l{k}\"\nparent = \"{parent}\"\njoint = \"turns\"\nmass_kg = 1\n"
@@ -169,75 +180,82 @@ fn what_is_wrong_is_named() {
     let many: String = (0..13).map(|k| link(k, "ground")).collect();
     let round = link(1, "l2") + &link(2, "l1") + &link(0, "ground");
     let nowhere = link(1, "l2") + &link(2, "l1");
-    let cases = [
-        (
-            change("parent = \"slider\"", "parent = \"slidr\""),
-            "leg.toml:4: link 1.parent = \"slidr\": must be the link that carries it, or the ground: \
+    assert_refused(
+        "machine-no-chain",
+        [
+            (
+                change("parent = \"slider\"", "parent = \"slidr\""),
+                "leg.toml:4: link 1.parent = \"slidr\": must be the link that carries it, or the ground: \
              one of ground, slider",
-        ),
-        (
-            round,
-            "leg.toml:1: link 1.parent = \"l2\": must be a link that does not hang on this one: l1 on l2 on l1 goes round in a circle",
-        ),
-        (nowhere, "leg.toml: no link hangs on the ground"),
-        (many, ": [[link]] = 13 tables: must be at most 12 tables"),
-        (
-            change("mass_g = 700", ""),
-            "leg.toml:2: missing key link 1.mass_kg",
-        ),
-        (
-            change("mass_g = 700", "mass_g = 0"),
-            "leg.toml:2: mass_kg of link \"leg\" = 0: must be above 0, as it carries no link",
-        ),
-        (
-            change("mass_g = 700", "mass_g = -1"),
-            "leg.toml:10: link 1.mass_g = -1: must be a mass ≥ 0",
-        ),
-        (
-            change("joint = \"leg\"\nstiffness", "joint = \"knee\"\nstiffness"),
-            "spring 1.joint = \"knee\": must be",
-        ),
-        (
-            change("[0, 10, 30]", "[0, 30, 10]"),
-            "leg.toml:30: at of the spring in slider = [0.0, 0.03, 0.01] with 3 of force: must be two \
+            ),
+            (
+                round,
+                "leg.toml:1: link 1.parent = \"l2\": must be a link that does not hang on this one: l1 on l2 on l1 goes round in a circle",
+            ),
+            (nowhere, "leg.toml: no link hangs on the ground"),
+            (many, ": [[link]] = 13 tables: must be at most 12 tables"),
+            (
+                change("mass_g = 700", ""),
+                "leg.toml:2: missing key link 1.mass_kg",
+            ),
+            (
+                change("mass_g = 700", "mass_g = 0"),
+                "leg.toml:2: mass_kg of link \"leg\" = 0: must be above 0, as it carries no link",
+            ),
+            (
+                change("mass_g = 700", "mass_g = -1"),
+                "leg.toml:10: link 1.mass_g = -1: must be a mass ≥ 0",
+            ),
+        ],
+    );
+}
+
+#[test]
+fn what_a_description_says_wrong_is_named() {
+    assert_refused(
+        "machine-wrong",
+        [
+            (
+                change("joint = \"leg\"\nstiffness", "joint = \"knee\"\nstiffness"),
+                "spring 1.joint = \"knee\": must be",
+            ),
+            (
+                change("[0, 10, 30]", "[0, 30, 10]"),
+                "leg.toml:30: at of the spring in slider = [0.0, 0.03, 0.01] with 3 of force: must be two \
              places at least, which rise, with a number for each",
-        ),
-        (
-            change("name = \"slider\"", "name = \"leg\""),
-            "leg.toml:16: link 2.name = \"leg\": must be a name in quotes that no other link has",
-        ),
-        (
-            change("joint = \"turns\"", "joint = \"hinge\""),
-            "leg.toml:5: link 1.joint = \"hinge\": must be \"turns\" or \"slides\"",
-        ),
-        (change("along = [3, 4]", ""), "missing key link 2.along"),
-        (
-            change("centre_mm = [0, 45]", "centre_mm = 45"),
-            "leg.toml:11: link 1.centre_mm = 45: must be a list of two numbers",
-        ),
-        (
-            change("column = \"hip_nm\"", "column = \"hip_volt\""),
-            ": drive 1.column = \"hip_volt\": must be the name of a column in SI, which ends with _nm",
-        ),
-        (
-            change("shows = \"joint\"", "shows = \"rate\""),
-            ": measured 1.shows = \"rate\": must be \"joint\", \"angle\", \"x\" or \"y\"",
-        ),
-        (
-            change("coulomb_friction_n_m", "coulomb_friction_nm"),
-            ": unknown key link 1.coulomb_friction_nm; the nearest known key is \
+            ),
+            (
+                change("name = \"slider\"", "name = \"leg\""),
+                "leg.toml:16: link 2.name = \"leg\": must be a name in quotes that no other link has",
+            ),
+            (
+                change("joint = \"turns\"", "joint = \"hinge\""),
+                "leg.toml:5: link 1.joint = \"hinge\": must be \"turns\" or \"slides\"",
+            ),
+            (change("along = [3, 4]", ""), "missing key link 2.along"),
+            (
+                change("centre_mm = [0, 45]", "centre_mm = 45"),
+                "leg.toml:11: link 1.centre_mm = 45: must be a list of two numbers",
+            ),
+            (
+                change("column = \"hip_nm\"", "column = \"hip_volt\""),
+                ": drive 1.column = \"hip_volt\": must be the name of a column in SI, which ends with _nm",
+            ),
+            (
+                change("shows = \"joint\"", "shows = \"rate\""),
+                ": measured 1.shows = \"rate\": must be \"joint\", \"angle\", \"x\" or \"y\"",
+            ),
+            (
+                change("coulomb_friction_n_m", "coulomb_friction_nm"),
+                ": unknown key link 1.coulomb_friction_nm; the nearest known key is \
              link 1.coulomb_friction_n_m",
-        ),
-        (
-            change("[[measured]]", "[[mesured]]"),
-            ": unknown key mesured; the nearest known key is measured",
-        ),
-    ];
-    for (leg, expected) in cases {
-        let data = folder("machine-wrong", &leg);
-        let error = read(&data.path("."), &|_| ()).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}\n{expected}");
-    }
+            ),
+            (
+                change("[[measured]]", "[[mesured]]"),
+                ": unknown key mesured; the nearest known key is measured",
+            ),
+        ],
+    );
 }
 
 #[test]
