@@ -117,9 +117,13 @@ impl<'a> Search<'a> {
         } else {
             None
         };
+        let left = (!findings.is_empty() && judged.unknown.is_none() && judged.fitness.is_gross)
+            .then(|| judged.fitness.worst(stated, &judged.model))
+            .flatten();
         self.evidence.says("data left out");
         Diagnosis {
             findings,
+            left,
             common: self.common(&judged),
             alone: self.alone(&judged.model, &tried),
             unknown: judged.unknown,

@@ -74,6 +74,9 @@ pub struct Reported {
     /// Its 95 % interval by profile likelihood; of causes that were found, where it does not depend
     /// on several parameters of the fit.
     pub interval: Option<Interval>,
+    /// Whether the runs disagree about it: error and interval are then by its scatter where each run
+    /// in turn is left out.
+    pub runs_disagree: bool,
 }
 
 /// A cause that was found.
@@ -132,6 +135,9 @@ pub struct Diagnosis {
     pub common: Vec<Reported>,
     /// Something that is wrong beyond them.
     pub unknown: Option<Unknown>,
+    /// What the causes leave, where that is far more than instruments do and still a small part of
+    /// what they explain: the form of one may be wrong.
+    pub left: Option<Unknown>,
     /// Where nothing is wrong, what is visible nevertheless.
     pub small: Option<Small>,
     /// The term of the state that describes it best, if one does on data left out too; it has no id

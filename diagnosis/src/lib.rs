@@ -5,6 +5,7 @@
 //! could be at work as a term that is off. [`diagnose`] switches them on one at a time while data
 //! that were left out ask for it.
 
+mod between;
 mod diagnose;
 mod discrepancy;
 mod estimate;

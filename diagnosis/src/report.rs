@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 use saltus_numeric::parallel;
 
+use crate::between::Wider;
 use crate::finding::{Candidate, Reported};
 use crate::fit::{self, parameters_of};
 use crate::kind::{Cause, Kind, Parameter, Terms};
@@ -28,7 +29,7 @@ pub(crate) fn report(
     with_intervals: bool,
 ) -> NotTold {
     let (fit, cause) = (&candidate.fit, candidate.cause);
-    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind));
+    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind, fit));
     let places = parameters_of(kind, &fit.causes);
     let offset = places.iter().take_while(|place| place.0 != cause).count();
     let spec = &kind.causes()[cause];
@@ -48,11 +49,17 @@ pub(crate) fn report(
         }
         None => vec![None; law.reported.len()],
     };
+    let wider: Vec<Option<Wider>> = (offset..offset + n)
+        .map(|i| known.as_ref().and_then(|known| known.wider(i, inflation)))
+        .collect();
     let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
         |known| {
-            let factor = |i: usize| known.inflation(offset + i, inflation).sqrt();
             let of_readings = known.covariance.view((offset, offset), (n, n));
+            let factor = |i: usize| match wider[i] {
+                Some(wider) => wider.deviation / of_readings[(i, i)].sqrt(),
+                None => known.inflation(offset + i, inflation).sqrt(),
+            };
             DMatrix::from_fn(n, n, |i, j| of_readings[(i, j)] * factor(i) * factor(j))
         },
     );
@@ -60,7 +67,11 @@ pub(crate) fn report(
         name: law.reported[k].0.clone(),
         value: law.reported[k].1,
         error: law.error(k, &covariance),
-        interval: ends.as_ref().map(|ends| law.interval(cause, k, ends)),
+        interval: ends.as_ref().map(|ends| {
+            let ends = law.widened((cause, k), ends.clone(), &wider);
+            law.interval(cause, k, &ends)
+        }),
+        runs_disagree: (0..n).any(|p| law.slopes[p][k] != 0.0 && wider[p].is_some()),
     };
     let undetermined = known.as_ref().and_then(|k| {
         let is_vague = k.least < POLICY.least_information && n > 1;
@@ -125,6 +136,29 @@ impl<'a> Law<'a> {
         });
         let both = |pair: &[Option<Option<Terms>>]| Some([pair[0].clone()?, pair[1].clone()?]);
         ends.chunks(2).map(both).collect()
+    }
+
+    /// The ends of reported parameter `k` of a cause, as far from it at least as it scatters between
+    /// runs.
+    fn widened(&self, (cause, k): (usize, usize), ends: Ends, wider: &[Option<Wider>]) -> Ends {
+        let Some((p, wider)) = self.only(k).and_then(|p| Some((p, wider[p]?))) else {
+            return ends;
+        };
+        let parameter = &self.cause.parameters[p];
+        let half = wider.half * parameter.scale;
+        let [low, high] = ends;
+        let moved = |end: Option<Terms>, at: f64, is_within: bool| {
+            let mut end = end.filter(|_| is_within)?;
+            let now = end.get(cause, p);
+            let is_further = (at - self.values[p]).abs() > (now - self.values[p]).abs();
+            end.set(cause, p, if is_further { at } else { now });
+            Some(end)
+        };
+        let (below, above) = (self.values[p] - half, self.values[p] + half);
+        [
+            moved(low, below, below > parameter.bounds.0),
+            moved(high, above, above < parameter.bounds.1),
+        ]
     }
 
     /// Standard error of reported parameter `k`; not a number where it rests at a bound at which it

@@ -18,9 +18,12 @@ pub(crate) fn is_worse(a: &[f64], b: &[f64]) -> bool {
         .map(|(a, b)| (a - b - mean).powi(2))
         .sum::<f64>()
         / (n - 1.0).max(1.0);
-    let limit = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0))
-        .map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
-    mean > limit * (square / n).sqrt()
+    mean > student(a.len().max(2) - 1) * (square / n).sqrt()
+}
+
+/// Quantile of Student's t with so many degrees of freedom, ≥ 1, that 2.5 % exceed.
+pub(crate) fn student(degrees: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
 #[cfg(test)]

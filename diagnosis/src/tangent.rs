@@ -7,6 +7,7 @@ use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
+use crate::between::{Between, Wider};
 use crate::discrepancy::Discrepancy;
 use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
 use crate::identifiability::Identifiability;
@@ -44,6 +45,8 @@ pub(crate) struct Known {
     pub(crate) by_readings: DMatrix<f64>,
     /// What the model's own error adds.
     by_model: DMatrix<f64>,
+    /// How much they scatter between runs.
+    between: Between,
     /// Least eigenvalue of the information when each parameter alone has information 1.
     pub(crate) least: f64,
     /// Its direction.
@@ -61,6 +64,13 @@ impl Known {
         } else {
             inflation
         }
+    }
+
+    /// Where the runs disagree about a parameter more than `inflation` allows, how far it scatters
+    /// between them.
+    pub(crate) fn wider(&self, index: usize, inflation: f64) -> Option<Wider> {
+        let variance = self.inflation(index, inflation) * self.covariance[(index, index)];
+        self.between.wider(index, variance)
     }
 }
 
@@ -526,13 +536,14 @@ impl Tangent {
     }
 
     /// How surely the parameters of the causes that are on are known.
-    pub(crate) fn known(&self, kind: &dyn Kind) -> Known {
+    pub(crate) fn known(&self, kind: &dyn Kind, fit: &Fit) -> Known {
         let n = self.on.len();
         if n == 0 {
             let nothing = DMatrix::zeros(0, 0);
             return Known {
                 by_readings: nothing.clone(),
                 by_model: nothing.clone(),
+                between: Between::default(),
                 covariance: nothing,
                 least: 1.0,
                 direction: Vec::new(),
@@ -554,10 +565,41 @@ impl Tangent {
         Known {
             covariance: &by_readings + self.by_inputs(kind, &by_readings),
             by_model: self.by_model(&by_readings),
+            between: self.between(kind, fit).unwrap_or_default(),
             by_readings,
             least: found.information[least],
             direction: found.direction(least).iter().copied().collect(),
         }
+    }
+
+    /// How much the parameters of the causes that are on, those of `fit`, scatter between runs; none
+    /// where each run is of a machine of its own.
+    pub(crate) fn between(&self, kind: &dyn Kind, fit: &Fit) -> Option<Between> {
+        if kind.is_apart() {
+            return None;
+        }
+        let residuals = Tangent::residuals(kind, fit)?;
+        let n = self.on.len();
+        let free = |i: usize| f64::from(u8::from(!self.rests[i]));
+        let mut parts: Vec<(usize, DMatrix<f64>, DVector<f64>)> = Vec::new();
+        for (run, ends) in self.bounds.windows(2).enumerate() {
+            let here = |i: usize| &self.on[i][ends[0]..ends[1]];
+            let information =
+                DMatrix::from_fn(n, n, |i, j| free(i) * free(j) * dot(here(i), here(j)));
+            let score = DVector::from_fn(n, |i, _| {
+                free(i) * dot(here(i), &residuals[ends[0]..ends[1]])
+            });
+            let group = kind.group(run);
+            match parts.iter_mut().find(|part| part.0 == group) {
+                Some(part) => {
+                    part.1 += information;
+                    part.2 += score;
+                }
+                None => parts.push((group, information, score)),
+            }
+        }
+        let parts: Vec<_> = parts.into_iter().map(|(_, a, b)| (a, b)).collect();
+        Some(Between::new(&parts))
     }
 
     /// What the model's own error adds to the covariance that noise of the readings gives.

@@ -262,6 +262,7 @@ impl Study {
                 value,
                 error,
                 interval,
+                runs_disagree,
             } in &finding.best.reported
             {
                 let _ = write!(text, "#   {name} = {value:?}");
@@ -271,6 +272,9 @@ impl Study {
                 if let Some(Interval { low, high }) = interval {
                     let end = |end: &Option<f64>| end.map_or("open".into(), |x| format!("{x:.4e}"));
                     let _ = write!(text, ", 95 % interval {} to {}", end(low), end(high));
+                }
+                if *runs_disagree {
+                    text.push_str(", runs disagree");
                 }
                 text.push('\n');
             }

@@ -51,6 +51,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     if let Some(estimated) = report.estimated() {
         sentence(&mut out, &estimated);
     }
+    if let Some(left) = report.left() {
+        sentence(&mut out, &left);
+    }
     if let Some(small) = report.small() {
         sentence(&mut out, &small);
     }
@@ -266,6 +269,9 @@ fn provenance(out: &mut String, report: &Report<'_>, folders: &[PathBuf]) {
     sentence(out, &report.claims());
     if let Some(text) = report.widened() {
         sentence(out, &text);
+    }
+    if let Some(text) = report.disagree() {
+        sentence(out, text);
     }
     for note in &report.found.folder.notes {
         sentence(out, &format!("Note: {note}"));

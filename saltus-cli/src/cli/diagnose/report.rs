@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use saltus::diagnosis::{
-    Alone, Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, residuals,
+    Alone, Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Unknown,
+    residuals,
 };
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
@@ -135,20 +136,23 @@ impl<'a> Report<'a> {
     /// What an unknown effect means, if there is one.
     pub(super) fn unknown(&self) -> Option<String> {
         let unknown = self.found.diagnosis.unknown.as_ref()?;
-        let (channel, unit) = split(&unknown.channel);
-        let lead = if unknown.phase.ends_with("third") {
-            "the"
-        } else {
-            "the phase"
-        };
         Some(format!(
-            "What is left in {channel} is not noise, most of all in {lead} {}: {} {unit} root \
-             mean square. No cause on the list explains it, alone or with others: the machine or \
+            "{} No cause on the list explains it, alone or with others: the machine or \
              an instrument does something that is not on the list. Parameters found beside it may \
              be bent to it.{}",
-            unknown.phase,
-            digits(unknown.rms, 3),
+            is_left(unknown),
             self.term().unwrap_or_default(),
+        ))
+    }
+
+    /// What the causes leave, if that is far more than instruments do.
+    pub(super) fn left(&self) -> Option<String> {
+        let left = self.found.diagnosis.left.as_ref()?;
+        Some(format!(
+            "{} It is little beside what the causes explain, but far more than the instruments do: \
+             the law of a cause may be another than the one assumed, or something smaller is at \
+             work beside it.",
+            is_left(left)
         ))
     }
 
@@ -242,12 +246,17 @@ impl<'a> Report<'a> {
             let interval = r.interval.map_or(String::new(), |i| {
                 format!("; 95 %: {}", interval(i, r.error, unit))
             });
+            let disagree = if r.runs_disagree {
+                "; runs disagree"
+            } else {
+                ""
+            };
             let slip = self
                 .slip(candidate, k)
                 .map_or(String::new(), |slip| format!("; {slip}"));
             (
                 r.name.clone(),
-                estimate(r.value, r.error, unit) + &interval + &slip,
+                estimate(r.value, r.error, unit) + &interval + disagree + &slip,
             )
         };
         candidate.reported.iter().enumerate().map(said).collect()
@@ -355,6 +364,18 @@ impl<'a> Report<'a> {
         })
     }
 
+    /// What it means that runs disagree, where it is said of a parameter.
+    pub(super) fn disagree(&self) -> Option<&'static str> {
+        let findings = &self.found.diagnosis.findings;
+        let named = findings
+            .iter()
+            .flat_map(|f| f.rivals.iter().chain([&f.best]));
+        named.flat_map(|c| &c.reported).any(|r| r.runs_disagree).then_some(
+            "Where runs disagree, each asks for another value, more than chance allows: error and \
+             interval are then by how far the value moves as each run in turn is left out.",
+        )
+    }
+
     /// Every cause alone, the one with the greatest gain first.
     pub(super) fn tried(&self) -> Vec<&Candidate> {
         let mut all: Vec<&Candidate> = self.found.diagnosis.tried.iter().collect();
@@ -395,6 +416,10 @@ impl<'a> Report<'a> {
             out += "\nunknown\n";
             out += &wrapped(&unknown, "  ");
         }
+        if let Some(left) = self.left() {
+            out += "\n";
+            out += &wrapped(&left, "");
+        }
         if let Some(small) = self.small() {
             out += &wrapped(&small, "");
         }
@@ -434,6 +459,9 @@ impl<'a> Report<'a> {
         );
         if let Some(sentence) = self.widened() {
             out += &wrapped(&sentence, "");
+        }
+        if let Some(sentence) = self.disagree() {
+            out += &wrapped(sentence, "");
         }
         out += &wrapped(&self.claims(), "");
         for note in &self.found.folder.notes {
@@ -684,6 +712,7 @@ impl<'a> Report<'a> {
             value,
             error,
             interval,
+            ..
         } in &candidate.reported
         {
             values.insert(name.clone(), json!(value));
@@ -701,6 +730,11 @@ impl<'a> Report<'a> {
             .filter_map(slip)
             .collect();
         entry.insert("slips".into(), Value::Object(slips));
+        let disagree = candidate.reported.iter().filter(|r| r.runs_disagree);
+        let disagree: Vec<&String> = disagree.map(|r| &r.name).collect();
+        if !disagree.is_empty() {
+            entry.insert("runs_disagree".into(), json!(disagree));
+        }
         if !intervals.is_empty() {
             entry.insert("intervals_95".into(), Value::Object(intervals));
         }
@@ -820,6 +854,7 @@ impl<'a> Report<'a> {
             "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
             "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
             "alone": diagnosis.alone.as_ref().map(|alone| self.alone_entry(alone)),
+            "left": diagnosis.left.as_ref().map(left_json),
             "small": diagnosis.small.as_ref().map(known::small_json),
             "tried": tried,
             "false_alarm_level": settings.false_alarms,
@@ -934,6 +969,25 @@ fn next_json(diagnosis: &Diagnosis) -> Value {
         })
         .collect();
     all.into_iter().next().unwrap_or(Value::Null)
+}
+
+/// Where most is left, and how much, as a sentence.
+fn is_left(unknown: &Unknown) -> String {
+    let (channel, unit) = split(&unknown.channel);
+    let lead = if unknown.phase.ends_with("third") {
+        "the"
+    } else {
+        "the phase"
+    };
+    format!(
+        "What is left in {channel} is not noise, most of all in {lead} {}: {} {unit} root mean square.",
+        unknown.phase,
+        digits(unknown.rms, 3),
+    )
+}
+
+fn left_json(left: &Unknown) -> Value {
+    json!({"channel": left.channel, "phase": left.phase, "rms": left.rms})
 }
 
 fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
