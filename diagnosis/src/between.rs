@@ -47,7 +47,7 @@ impl Between {
                 for (i, variance) in variances.iter_mut().enumerate() {
                     *variance += share * moved[i] * moved[i];
                     let rest = known[(i, i)] / left[(i, i)];
-                    if !(rest > LEAST_LEFT) {
+                    if rest.is_nan() || rest <= LEAST_LEFT {
                         *variance = f64::NAN;
                     }
                 }
