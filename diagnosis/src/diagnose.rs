@@ -231,3 +231,25 @@ impl<'a> Search<'a> {
         gain::gains(evidence.kind, &scores[0], &scores[1], evidence.settings)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{Toy, noise, sum, wave};
+
+    /// A cause explains nearly all; what is left beside it is ten standard deviations of the noise.
+    #[test]
+    fn much_that_a_cause_leaves_is_said_though_it_is_a_small_part() {
+        let found = |left: f64| {
+            let data = sum(&[(2000.0, &wave(0)), (left, &wave(5)), (1.0, &noise(1))]);
+            let toy = Toy::new(&data, vec![wave(0), wave(9)]);
+            diagnose(&toy, &Settings::default(), &|_| {}).expect("an answer")
+        };
+        let much = found(200.0);
+        assert_eq!((much.findings.len(), &much.unknown), (1, &None));
+        let left = much.left.expect("much is left");
+        assert_eq!(left.channel, "y_m");
+        assert!((left.rms - 10.0).abs() < 2.0, "{left:?}");
+        assert_eq!(found(0.0).left, None);
+    }
+}

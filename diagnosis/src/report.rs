@@ -225,3 +225,52 @@ fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<f64>; 2]
     let least = inner.map_or(0.0, |x| (x - neutral).abs());
     outer.is_none() && (bound - neutral).abs() > POLICY.unlimited * least
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{ALL, READINGS, RUNS, Toy, noise};
+
+    /// What is reported of the mean of readings with these means of runs beside noise.
+    fn mean_of(means: [f64; RUNS], least: f64) -> Reported {
+        let noise = noise(4);
+        let values: Vec<f64> = (0..ALL).map(|k| noise[k] + means[k / READINGS]).collect();
+        let toy = Toy::new(&values, vec![vec![1.0; ALL]])
+            .with(0, |cause| cause.parameters[0].bounds.0 = least);
+        let mut candidate = Candidate::new(&toy, 0, &toy.before(), toy.fitted(&[0]));
+        report(&toy, &mut candidate, 1.0, true);
+        candidate.reported.remove(0)
+    }
+
+    #[test]
+    fn where_runs_agree_noise_alone_counts() {
+        let found = mean_of([5.0; RUNS], -1e6);
+        assert!(!found.runs_disagree);
+        let error = 1.0 / (ALL as f64).sqrt();
+        assert!((found.error / error - 1.0).abs() < 1e-6, "{found:?}");
+        let high = found.interval.and_then(|i| i.high).expect("an end");
+        assert!(
+            (high - found.value - 1.96 * error).abs() < 0.01 * error,
+            "{found:?}"
+        );
+    }
+
+    /// The mean of eight runs is as uncertain as their scatter, √(Σ (m − m̄)² / 7 / 8), and an end
+    /// beyond what is possible is none.
+    #[test]
+    fn where_runs_disagree_their_scatter_counts() {
+        let means = [2.0, 8.0, 5.0, 5.0, 1.0, 9.0, 4.0, 6.0].map(|mean| 0.25 * (mean - 3.5));
+        let scatter = 0.25 * f64::sqrt(52.0 / 7.0 / 8.0);
+        let found = mean_of(means, 0.0);
+        assert!(found.runs_disagree);
+        assert!((found.error / scatter - 1.0).abs() < 0.05, "{found:?}");
+        let interval = found.interval.expect("an interval");
+        // Student's t of seven degrees: 2.365.
+        let high = found.value + 2.365 * found.error;
+        assert!(interval.low.is_none(), "{found:?}");
+        assert!(
+            (interval.high.expect("an end") - high).abs() < 0.01 * scatter,
+            "{found:?}"
+        );
+    }
+}

@@ -267,3 +267,21 @@ fn numbers_are_for_people() {
         );
     }
 }
+
+/// A printed chamber that leaks: no single opening describes how its pressure falls.
+#[test]
+fn what_a_cause_leaves_of_a_real_chamber_is_said() {
+    let folder = Folder::new("answers-left");
+    let chambers = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../tests/reference/air-chambers"
+    );
+    let text = folder.done(&format!("diagnose {chambers}"), 1);
+    assert!(
+        text.contains("What is left in ultimaker-020.pressure is not noise"),
+        "{text}"
+    );
+    let left = &document(&folder, &format!("diagnose {chambers}"), 1)["left"];
+    assert_eq!(left["channel"], "ultimaker-020.pressure_pa");
+    assert!(left["rms"].as_f64().unwrap() > 5e3, "{left}");
+}
