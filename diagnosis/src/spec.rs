@@ -30,6 +30,15 @@ pub enum Problem {
         /// Its name.
         robot: String,
     },
+    /// The strides of a run draw on one tank, and are fitted one by one.
+    #[error(
+        "robot {robot} has a tank: its strides empty it, and data of kind run are fitted stride by stride; leave \
+         tank.volume out, or measure jumps (kind jump)"
+    )]
+    Tank {
+        /// Its name.
+        robot: String,
+    },
     /// Of a vessel that is not shut, one number is missing.
     #[error(
         "{run}: {given} is given without {missing}: a vessel with an orifice needs both, one that is shut neither"

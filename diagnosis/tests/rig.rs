@@ -46,21 +46,6 @@ const APART: &[Apart] = &[
 const UNKNOWN: &[(&[Term], &str)] = &[
     (&[Term::PickedUp], "it is the planar model's"),
     (
-        &[
-            Term::SpoolTime,
-            Term::TubeLength,
-            Term::TubeDiameter,
-            Term::TubeRoughness,
-            Term::TankVolume,
-            Term::TankWall,
-            Term::MuscleForce,
-            Term::MuscleSlope,
-            Term::MuscleLever,
-            Term::TendonStiffness,
-        ],
-        "gas from a tank, through a tube or into a muscle is not in this rig",
-    ),
-    (
         &[Term::Restitution],
         "the motion ends before the touch-down",
     ),
@@ -144,6 +129,8 @@ const GROUPS: &[&[Term]] = &[
     &[Term::CounterweightDistance, Term::CounterweightMass],
     &[Term::StaticFriction, Term::KineticFriction],
     &[Term::GroundStiffness, Term::GroundDamping],
+    &[Term::TubeLength, Term::TubeDiameter, Term::TubeRoughness],
+    &[Term::TankVolume, Term::TankWall],
 ];
 
 /// A start on the retracted foot (rad, rad/s), when the leg is commanded, and for how long (s).
@@ -193,7 +180,28 @@ fn robots() -> Vec<Robot> {
         on_boom.name += " on a boom";
         all.extend([robot, on_boom]);
     }
+    all.extend(fed());
     all
+}
+
+/// The thesis' robot with a tank, tubes and spools; and one with muscles instead of cylinders.
+fn fed() -> Vec<Robot> {
+    let tank = [
+        "tank.volume_l=0.3",
+        "tank.wall_resistance_k_per_w=5",
+        "leg.tube.length_m=0.5",
+        "leg.tube.diameter_mm=4",
+        "leg.tube.roughness_mm=0.01",
+        "leg.valve_time_constant_ms=2",
+    ];
+    let tank = resolve("rats-boom", &tank.map(String::from)).expect("sound");
+    let page = include_str!("../../robots/README.md");
+    let mut examples = page
+        .split("```toml\n")
+        .filter_map(|rest| rest.split("```").next());
+    let muscle = examples.find(|text| text.contains("kind = \"muscle\""));
+    let muscle = Robot::parse(muscle.expect("it is there"), "muscle", Path::new("."));
+    vec![tank, muscle.expect("sound")]
 }
 
 /// The robot of the page of keys, which has every term.
@@ -281,6 +289,8 @@ fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, [f64; 4])> {
         let events = sim.events();
         events.iter().any(|e| e.what == Happening::LiftOff(0, 0))
     };
+    // Where a robot that does not jump comes down on its next foot.
+    let next_foot = 0.98 * std::f64::consts::PI / f64::from(robot.body.legs);
     let mut found = Vec::new();
     let (mut is_fired, mut flies) = (false, false);
     for tick in 1..1000 {
@@ -306,7 +316,7 @@ fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, [f64; 4])> {
         let ends = if flies {
             height < rig.radius
         } else {
-            q[lean].abs() > 1.4 || time > 0.6
+            q[lean].abs() > next_foot.min(1.4) || time > 0.6
         };
         if ends {
             break;
@@ -410,6 +420,10 @@ fn an_outcome_is_the_apex_and_the_landing_of_the_flight() {
                 ..sim_check::Plan::default()
             };
             let report = whole.jump(&launch, &plan).expect("a motion");
+            if report.landing_at.is_nan() {
+                // A leg that comes back in slowly touches the ground before the axle is down.
+                continue;
+            }
             let (apex, landing) = fast.outcome(lean, rate, valve_open).expect("a jump");
             let off = [apex - report.apex, landing - report.landing_at];
             assert!(

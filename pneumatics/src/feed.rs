@@ -443,9 +443,12 @@ impl<S: Single> Series<S> {
         through - flow
     }
 
-    /// The flow (kg/s), ≥ 0: safeguarded Newton steps.
+    /// The flow (kg/s), ≥ 0: safeguarded Newton steps from where it is if the square of the valve's
+    /// flow, too, is in proportion to a difference of squared pressures.
     fn flow(&self) -> S {
-        /// It takes four to eight.
+        /// Length of a step, of the flow through the valve alone, after which the next is nothing.
+        const CLOSE: f64 = 1e-10;
+        /// It takes three to six.
         const ROUNDS: usize = 100;
         let plain = Series::<Dual<1>> {
             law: self.law,
@@ -458,7 +461,13 @@ impl<S: Single> Series<S> {
         };
         let alone = plain.surplus(Dual::of(0.0)).value.max(0.0);
         let (mut low, mut high) = (0.0, alone);
-        let mut at = 0.5 * alone;
+        let squares = plain.up.0.value * plain.up.0.value - plain.down.value * plain.down.value;
+        let [a, b] = plain.tube.map(|x| x.value);
+        let all = b + squares / (alone * alone);
+        let mut at = 2.0 * squares / (a + (a * a + 4.0 * all * squares).sqrt());
+        if !(low..=high).contains(&at) {
+            at = 0.5 * alone;
+        }
         let mut slope = -1.0;
         for _ in 0..ROUNDS {
             let here = plain.surplus(Dual::variable(at, 0));
@@ -474,7 +483,7 @@ impl<S: Single> Series<S> {
             }
             let step = (next - at).abs();
             at = next;
-            if step <= 4.0 * f64::EPSILON * alone || here.value == 0.0 {
+            if step <= CLOSE * alone || here.value == 0.0 {
                 break;
             }
         }

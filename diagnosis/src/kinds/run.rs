@@ -152,6 +152,11 @@ impl Strides {
     /// # Errors
     /// [`Problem`] where data and robot do not go together, or there are too few strides.
     pub fn new(experiment: &Experiment, robot: &Robot) -> Result<Strides, Problem> {
+        if robot.tank.is_some_and(|tank| tank.volume.is_finite()) {
+            return Err(Problem::Tank {
+                robot: robot.name.clone(),
+            });
+        }
         let mut cut = cut::cut(experiment, robot)?;
         let first = Strides::of(&cut, robot)?;
         let alone = first.each_alone();

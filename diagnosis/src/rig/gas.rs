@@ -2,9 +2,10 @@
 
 use saltus_numeric::dop853;
 use saltus_numeric::root::bisect;
-use saltus_pneumatics::{GasState, Piece};
+use saltus_pneumatics::{Feed, GasState, Piece, Place};
 
 use super::Extra;
+use super::fed::{self, Command, Flowing, Gas};
 use super::machine::LEG;
 use super::run::{Run, Slide, State};
 
@@ -21,7 +22,7 @@ impl Run<'_> {
     pub(super) fn renew(&mut self, side: f64) {
         self.mode.fed = false;
         if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
-            let pressure = chamber.pressure(piece.flow, self.state.gas);
+            let pressure = chamber.pressure(piece.flow, self.state.gas[0]);
             let piece = Piece::new(
                 chamber,
                 self.mode.switches.energized,
@@ -29,22 +30,50 @@ impl Run<'_> {
                 side,
                 self.mode.port_open,
             );
-            self.state.gas = chamber.variable(piece.flow, pressure);
+            self.state.gas[0] = chamber.variable(piece.flow, pressure);
             self.mode.piece = Some(piece);
         }
     }
 
-    /// The gas and the rate of its variable; none without a chamber.
-    pub(super) fn gas(&self, s: &State) -> Option<(GasState<f64>, f64)> {
+    /// The gas; none without a chamber.
+    pub(super) fn gas(&self, s: &State) -> Option<Flowing> {
         let speed = if matches!(self.mode.leg, Slide::Moves(_)) {
             s.v[LEG]
         } else {
             0.0
         };
-        self.gas_at(s.time, s.gas, s.q[LEG], speed)
+        if let Some(feed) = &self.rig.leg.feed {
+            let place = self.place(feed, s.time, (s.q[LEG], speed));
+            return Some(fed::flowing(feed, &s.gas, &place));
+        }
+        let (gas, rate) = self.gas_at(s.time, s.gas[0], s.q[LEG], speed)?;
+        Some(Flowing {
+            pressure: (gas.pressure, rate * gas.pressure_per_variable),
+            rate: Gas::new(rate, 0.0, 0.0, 0.0),
+        })
     }
 
-    /// The same where the variable is `u`, and the leg at `d` (m) extends at `speed` (m/s).
+    /// What the valve of a leg that is fed is asked for.
+    pub(super) fn command(&self) -> Command {
+        Command {
+            is_open: self.mode.switches.energized,
+            since: self.mode.opens,
+            from: self.mode.opening,
+        }
+    }
+
+    /// How the leg stands at `time` (s), for its gas, at an extension (m) and a speed (m/s).
+    fn place(&self, feed: &Feed<f64>, time: f64, leg: (f64, f64)) -> Place<f64> {
+        Place {
+            extension: leg.0,
+            speed: leg.1,
+            opening: self.command().opening(feed, time),
+            port_open: self.mode.port_open,
+        }
+    }
+
+    /// The gas of a plain chamber and the rate of its variable `u`, where the leg at `d` (m) extends
+    /// at `speed` (m/s).
     fn gas_at(&self, time: f64, u: f64, d: f64, speed: f64) -> Option<(GasState<f64>, f64)> {
         let (chamber, piece) = (self.rig.leg.chamber()?, self.mode.piece.as_ref()?);
         let (gas, mut rate) = piece.gas(chamber, u, d, speed);
@@ -69,12 +98,23 @@ impl Run<'_> {
         Some((gas, rate))
     }
 
-    /// The variable of the gas behind a held leg after `h` (s), by DOP853 with error control. Where
-    /// inflow and outflow balance, it stays.
-    pub(super) fn held_gas(&self, h: f64) -> Option<f64> {
-        let State {
-            time, gas: mut u, ..
-        } = self.state;
+    /// The gas behind a held leg after `h` (s).
+    pub(super) fn held_gas(&self, h: f64) -> Option<Gas> {
+        match &self.rig.leg.feed {
+            Some(feed) => {
+                let State { time, gas, q, .. } = self.state;
+                let place = self.place(feed, time, (q[LEG], 0.0));
+                fed::held(feed, gas, place, &self.command(), (time, h))
+            }
+            None => Some(Gas::new(self.held_variable(h)?, 0.0, 0.0, 0.0)),
+        }
+    }
+
+    /// The variable of a plain chamber, by DOP853 with error control. Where inflow and outflow
+    /// balance, it stays.
+    fn held_variable(&self, h: f64) -> Option<f64> {
+        let State { time, gas, .. } = self.state;
+        let mut u = gas[0];
         if self.mode.piece.is_none() {
             return Some(u);
         }
@@ -123,10 +163,7 @@ impl Run<'_> {
     /// Error of the cubic from here to `next` in its middle, relative to the pressure.
     pub(super) fn bend(&self, next: &State) -> Option<f64> {
         let h = next.time - self.state.time;
-        let of = |s: &State| {
-            self.gas(s)
-                .map(|(gas, rate)| (gas.pressure, rate * gas.pressure_per_variable))
-        };
+        let of = |s: &State| self.gas(s).map(|gas| gas.pressure);
         let Some((a, b)) = of(&self.state).zip(of(next)) else {
             return Some(0.0);
         };

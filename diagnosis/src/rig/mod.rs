@@ -10,6 +10,7 @@
 //! | `machine.rs` | kinematics, mass matrix, forces |
 //! | `contact.rs` | the foot on the ground: constraint rows, contact modes, accelerations |
 //! | `gas.rs` | the gas behind the leg |
+//! | `fed.rs` | the gas behind a leg that is fed from a tank, through a tube, or by a valve that moves in time |
 //! | `guards.rs` | guards of each mode, and the mode changes at their events |
 //! | `run.rs` | steps from event to event |
 //! | `course.rs` | the result: states at knots, and what sensors would read between them |
@@ -19,6 +20,7 @@ use std::sync::Arc;
 mod bodies;
 mod contact;
 mod course;
+mod fed;
 mod floor;
 mod gas;
 mod guard;

@@ -1,6 +1,6 @@
 //! Guards and mode changes: what ends a mode, and which mode follows.
 
-use saltus_pneumatics::Flow;
+use saltus_pneumatics::{Chamber, Flow};
 
 use super::contact::{Axle, Foot};
 use super::guard::{Guard, Guards, TINY};
@@ -85,13 +85,13 @@ impl Run<'_> {
     fn guard_drive(&self, s: &State, guards: &mut Guards) {
         let d = s.q[LEG];
         let side = |is_past: bool, at: f64| if is_past { d - at } else { at - d };
-        if let (Some(chamber), Some(piece)) = (self.rig.leg.chamber(), &self.mode.piece) {
-            let (above, below) = piece.guards(s.gas);
+        if let Some(piece) = &self.mode.piece {
+            let (above, below) = piece.guards(s.gas[0]);
             guards.push((Guard::Above, -above));
             guards.push((Guard::Below, -below));
-            if let Some(port) = chamber.port() {
-                guards.push((Guard::Port, side(self.mode.port_open, port)));
-            }
+        }
+        if let Some(port) = self.rig.leg.chamber().and_then(Chamber::port) {
+            guards.push((Guard::Port, side(self.mode.port_open, port)));
         }
         if let Some(start) = self.rig.leg.cushion_start() {
             guards.push((Guard::Cushion, side(self.mode.switches.cushioned, start)));
@@ -198,7 +198,7 @@ impl Run<'_> {
             .piece
             .is_some_and(|p| p.flow == Flow::FillBalanced);
         self.renew(-1.0);
-        let returns = self.gas(&self.state).is_some_and(|(_, rate)| rate > 0.0);
+        let returns = self.gas(&self.state).is_some_and(|gas| gas.rate[0] > 0.0);
         self.mode.fed = was_full && returns && self.mode.leg == Slide::Held;
     }
 }

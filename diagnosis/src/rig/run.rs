@@ -1,9 +1,10 @@
 //! The motion, step by step: each mode in fixed steps, of which the last ends on the event.
 
-use saltus_pneumatics::{Flow, Piece, Switches};
+use saltus_pneumatics::{Flow, MEGA, Piece, Switches};
 
 use super::contact::{Answer, Axle, Foot, Modes};
 use super::course::{Course, Knot};
+use super::fed::{self, Gas};
 use super::guard::{Guard, Guards, TINY};
 use super::machine::{Coordinates, LEAN, LEG, Machine};
 use super::{Rig, Start};
@@ -39,7 +40,7 @@ pub(super) struct State {
     pub(super) time: f64,
     pub(super) q: Coordinates,
     pub(super) v: Coordinates,
-    pub(super) gas: f64,
+    pub(super) gas: Gas,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +50,9 @@ pub(super) struct Mode {
     pub(super) leg: Slide,
     /// Whether the drive is on, and whether the leg is in its cushion.
     pub(super) switches: Switches,
-    /// When (s) the valve began to open.
+    /// When (s) the valve was switched, and how far that of a leg that is fed was open then.
     pub(super) opens: f64,
+    pub(super) opening: f64,
     pub(super) port_open: bool,
     pub(super) piece: Option<Piece<f64>>,
     /// The valve supplies a full chamber with what its leak loses, so that the pressure stays.
@@ -69,6 +71,7 @@ impl Mode {
                 cushioned: false,
             },
             opens: 0.0,
+            opening: 0.0,
             port_open: false,
             piece,
             fed: false,
@@ -80,8 +83,8 @@ impl Mode {
 pub(super) struct Look {
     /// Accelerations and forces.
     pub(super) answer: Answer,
-    /// Rate of the variable of the gas.
-    pub(super) rate: f64,
+    /// Rate of the gas.
+    pub(super) rate: Gas,
     /// Dry friction (N) of the leg.
     pub(super) dry: f64,
 }
@@ -120,12 +123,14 @@ impl<'a> Run<'a> {
         };
         let rate = v[LEAN];
         let lands = matches!(start, Start::Flying(_));
-        let (piece, gas) = match rig.leg.chamber() {
-            Some(chamber) => {
+        let (piece, gas) = match (&rig.leg.feed, rig.leg.chamber()) {
+            (Some(feed), _) => (None, fed::at_rest(feed)),
+            (None, Some(chamber)) => {
                 let piece = Piece::new(chamber, false, chamber.ambient, 0.0, false);
-                (Some(piece), chamber.variable(piece.flow, chamber.ambient))
+                let variable = chamber.variable(piece.flow, chamber.ambient);
+                (Some(piece), Gas::new(variable, 0.0, 0.0, 0.0))
             }
-            None => (None, 0.0),
+            (None, None) => (None, Gas::zeros()),
         };
         let foot = if machine.is_bench() || lands {
             Foot::Flies
@@ -159,9 +164,7 @@ impl<'a> Run<'a> {
     pub(super) fn record(&mut self) {
         let State { q, v, .. } = self.state;
         let height = self.rig.machine.height(&q, &v);
-        let pressure = self.gas(&self.state).map_or((0.0, 0.0), |(gas, rate)| {
-            (gas.pressure, rate * gas.pressure_per_variable)
-        });
+        let pressure = self.gas(&self.state).map_or((0.0, 0.0), |gas| gas.pressure);
         self.course.knots.push(Knot {
             time: self.state.time,
             q,
@@ -172,6 +175,9 @@ impl<'a> Run<'a> {
     }
 
     pub(super) fn switch(&mut self, energized: bool) {
+        if let Some(feed) = &self.rig.leg.feed {
+            self.mode.opening = self.command().opening(feed, self.state.time);
+        }
         self.mode.switches.energized = energized;
         self.mode.opens = self.state.time;
         self.renew(0.0);
@@ -191,7 +197,8 @@ impl<'a> Run<'a> {
             Slide::Held if self.rig.machine.is_bench() => self.stride.min(self.rests),
             Slide::Held if self.mode.foot == Foot::Flies => {
                 let is_balanced = |piece: Piece<f64>| piece.flow == Flow::ExhaustBalanced;
-                let is_empty = self.mode.piece.is_none_or(is_balanced);
+                let is_fed = self.rig.leg.feed.is_some();
+                let is_empty = !is_fed && self.mode.piece.is_none_or(is_balanced);
                 if is_empty { FLIGHT } else { FLIGHT / 3.0 }
             }
             Slide::Held => FILLING,
@@ -362,7 +369,7 @@ impl<'a> Run<'a> {
             time: s.time + h,
             q: s.q + v * h,
             v: s.v + k.answer.acceleration * h,
-            gas: s.gas + h * k.rate,
+            gas: s.gas + k.rate * h,
         };
         let a = first;
         let s2 = at(&s.v, a, 0.5 * h);
@@ -375,7 +382,7 @@ impl<'a> Run<'a> {
         let gas = match self.mode.leg {
             // Held, it does not move what is around it, and may be as stiff as it likes.
             Slide::Held => self.held_gas(h)?,
-            _ => s.gas + w * (a.rate + 2.0 * (b.rate + c.rate) + d.rate),
+            _ => s.gas + (a.rate + (b.rate + c.rate) * 2.0 + d.rate) * w,
         };
         let next = State {
             time: s.time + h,
@@ -388,8 +395,10 @@ impl<'a> Run<'a> {
             gas,
         };
         let is_finite = next.q.iter().chain(next.v.iter()).all(|x| x.is_finite());
-        let error = h * (c.rate - b.rate).abs() / next.gas.abs().max(f64::MIN_POSITIVE);
-        (is_finite && (next.gas > 0.0 || self.mode.piece.is_none())).then_some((next, error))
+        let error =
+            |i: usize| h * (c.rate[i] - b.rate[i]).abs() / next.gas[i].abs().max(f64::MIN_POSITIVE);
+        let has_gas = self.mode.piece.is_some() || self.rig.leg.feed.is_some();
+        (is_finite && (next.gas[0] > 0.0 || !has_gas)).then_some((next, error(0).max(error(1))))
     }
 
     /// Force (N) along the leg without dry friction, and that friction.
@@ -408,10 +417,12 @@ impl<'a> Run<'a> {
     /// Evaluates the equations at `s`.
     fn look(&self, s: &State) -> Option<Look> {
         let (pressure, rate) = match self.mode.leg {
-            Slide::Latched => (0.0, 0.0),
+            Slide::Latched => (0.0, Gas::zeros()),
+            // Its gas goes on apart, and may be stiff.
+            Slide::Held if self.rig.leg.feed.is_some() => (s.gas[0] * MEGA, Gas::zeros()),
             _ => self
                 .gas(s)
-                .map_or((0.0, 0.0), |(gas, rate)| (gas.pressure, rate)),
+                .map_or((0.0, Gas::zeros()), |gas| (gas.pressure.0, gas.rate)),
         };
         let (push, dry) = match self.mode.leg {
             Slide::Latched => (0.0, 0.0),

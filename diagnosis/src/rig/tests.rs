@@ -1,3 +1,4 @@
+use super::fed::Gas;
 use super::run::{FINE, State};
 use super::*;
 
@@ -107,13 +108,17 @@ fn the_gas_behind_a_held_leg_is_that_of_tiny_steps() {
         let mut run = Run::new(&rig, Start::Rest).expect("a start");
         run.mode.leg = Slide::Held;
         run.switch(true);
-        let rate = |gas: f64| run.gas(&State { gas, ..run.state }).expect("a chamber").1;
-        let (mut u, h) = (run.state.gas, 5e-8);
+        let rate = |u: f64| {
+            let gas = Gas::new(u, 0.0, 0.0, 0.0);
+            let gas = run.gas(&State { gas, ..run.state }).expect("a chamber");
+            gas.rate[0]
+        };
+        let (mut u, h) = (run.state.gas[0], 5e-8);
         for k in 0..60_000 {
             // Of most chambers this is before the flow turns subsonic, which ends the piece of the
             // law.
             if k % 10_000 == 0 {
-                let found = run.held_gas(f64::from(k) * h).expect("gas");
+                let found = run.held_gas(f64::from(k) * h).expect("gas")[0];
                 assert!(
                     (found - u).abs() <= 2e-8 * u,
                     "{terms:?} after {k}: {found}, {u}"

@@ -179,10 +179,18 @@ terms! {
         Lens { has: |r| r.leg.cylinder().is_some(), ..at!(optional robot, leg.closing_delay) },
     )
     .without(|r| Some(r.leg.delay))
-    .shown("valve_closing_delay_ms = 14", "on closing; left out: as valve_delay");
+    .shown("valve_closing_delay_ms = 14", "on closing; left out: as valve_delay")
+    .cause("valve-delay", "", |_, now| {
+        direct(now, (0.0, 0.2), 3e-4, &[0.5 * now, now + 4e-3, now + 0.012])
+    })
+    .seen_in(|r| r.leg.closing_delay.is_some());
     /// Time constant of the valve's spool (s).
     SpoolTime = Spec::optional("leg.valve_time_constant", TIME, at!(cylinder, spool_time))
-        .shown("valve_time_constant_ms = 1", "of the valve's spool; 0: it switches at once");
+        .shown("valve_time_constant_ms = 1", "of the valve's spool; 0: it switches at once")
+        .cause("valve-delay", "the valve's spool takes another time to open and to close", |_, now| {
+            direct(now, (0.0, 0.1), 2e-4, &[0.3 * now, 3.0 * now])
+        })
+        .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.spool_time > 0.0));
     /// Shortest command that the valve follows (s).
     LeastPulse = Spec::optional(
         "leg.least_pulse",
@@ -411,15 +419,30 @@ terms! {
         Lens { has: has_muscle, ..at!(cylinder, muscle => tendon_stiffness) },
     )
     .within(|_| Domain::POSITIVE.or_infinite())
-    .without(|_| Some(f64::INFINITY));
+    .without(|_| Some(f64::INFINITY))
+    .cause("series-spring", "what is in series with the muscle is softer or stiffer", |_, now| {
+        let compliance = 1.0 / now;
+        Fit {
+            neutral: compliance,
+            ..inverse("leg.muscle.tendon_m_per_n", (0.0, 0.01), 2e-6, &[3e-5, 3e-4])
+        }
+    });
 
     /// Length of the tube between valve and chamber (m).
     TubeLength = Spec::needed("leg.tube.length", LENGTH, at!(cylinder, tube => length))
-        .shown("length_m = 0.5", "0: no tube");
+        .shown("length_m = 0.5", "0: no tube")
+        .cause("tube", "the tube between valve and chamber is longer, shorter, wider or narrower", |_, now| {
+            direct(now, (0.02 * now, 50.0 * now), 0.02 * now, &[0.5 * now, 2.0 * now])
+        })
+        .seen_in(has_tube);
     /// Inner diameter of that tube (m).
     TubeDiameter = Spec::needed("leg.tube.diameter", LENGTH, at!(cylinder, tube => diameter))
         .within(|_| Domain::POSITIVE)
-        .shown("diameter_mm = 4", "inside");
+        .shown("diameter_mm = 4", "inside")
+        .cause("tube", "", |_, now| {
+            direct(now, (0.25 * now, 4.0 * now), 0.01 * now, &[0.7 * now, 1.4 * now])
+        })
+        .seen_in(has_tube);
     /// Height of the roughness of its wall (m).
     TubeRoughness = Spec::optional("leg.tube.roughness", LENGTH, at!(cylinder, tube => roughness))
         .within(|r| {
@@ -435,7 +458,11 @@ terms! {
         Lens { has: |r| r.leg.cylinder().is_some(), ..at!(robot, tank => volume) },
     )
     .within(|_| Domain::POSITIVE.or_infinite())
-    .shown("volume_l = 0.4", "all legs draw on it; inf: it does not empty");
+    .shown("volume_l = 0.4", "all legs draw on it; inf: it does not empty")
+    .cause("tank", "the tank is larger or smaller", |_, now| {
+        direct(now, (0.05 * now, 20.0 * now), 0.01 * now, &[0.6 * now, 1.7 * now])
+    })
+    .seen_in(has_tank);
     /// Thermal resistance between the tank's gas and its wall (K/W).
     TankWall = Spec::optional(
         "tank.wall_resistance",
@@ -447,7 +474,15 @@ terms! {
     .shown(
         "wall_resistance_k_per_w = 5",
         "heat from the wall, at gas_temperature; 0: isothermal; inf or left out: adiabatic",
-    );
+    )
+    .cause("tank", "the gas in the tank takes up more or less heat from the wall", |_, now| {
+        let conductance = 1.0 / now;
+        Fit {
+            neutral: conductance,
+            ..inverse("tank.wall_w_per_k", (0.0, 1e3), 0.05, &[1.0, 10.0])
+        }
+    })
+    .seen_in(|r| has_tank(r) && r.tank.is_some_and(|tank| tank.wall_resistance > 0.0));
 
     /// Length of the end-stop cushion (m).
     CushionLength =
@@ -737,6 +772,15 @@ fn has_muscle(robot: &Robot) -> bool {
 
 fn has_piston(robot: &Robot) -> bool {
     robot.leg.cylinder().is_some_and(|c| c.muscle.is_none())
+}
+
+fn has_tank(robot: &Robot) -> bool {
+    robot.tank.is_some_and(|tank| tank.volume.is_finite())
+}
+
+fn has_tube(robot: &Robot) -> bool {
+    let cylinder = robot.leg.cylinder();
+    cylinder.is_some_and(|c| c.tube.is_some_and(|tube| tube.length > 0.0))
 }
 
 /// The slopes of a muscle that does not push before its free contraction.

@@ -184,36 +184,6 @@ pub(crate) fn any_robot(name: &str, overrides: &[String]) -> Result<Robot, CliEr
     Ok(robot)
 }
 
-/// Refuses a robot whose gas the simulation that is fitted to data has not.
-pub(crate) fn plainly_fed(robot: Robot) -> Result<Robot, CliError> {
-    let cylinder = robot.leg.cylinder();
-    let has_tube = cylinder.is_some_and(|c| c.tube.is_some_and(|tube| tube.length > 0.0));
-    let named = [
-        (
-            "tank",
-            robot.tank.is_some_and(|tank| tank.volume.is_finite()),
-        ),
-        ("leg.tube", has_tube),
-        (
-            "leg.valve_time_constant",
-            cylinder.is_some_and(|c| c.spool_time > 0.0),
-        ),
-        (
-            "leg.kind = muscle",
-            cylinder.is_some_and(|c| c.muscle.is_some()),
-        ),
-    ];
-    match named.into_iter().find(|(_, is_on)| *is_on) {
-        None => Ok(robot),
-        Some((key, _)) => {
-            let reason = format!(
-                "{key}: must be left out: the simulation that is fitted to data has it not"
-            );
-            Err(CliError::content(&robot.name, reason))
-        }
-    }
-}
-
 /// The experiment in data folders, with all that the files say of it.
 pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
     for file in folders.iter().flat_map(|folder| experiment::files(folder)) {

@@ -11,7 +11,7 @@ use saltus::fit::{self, Fitted, USUAL};
 use serde_json::{Map, Value, json};
 
 use super::Status;
-use super::common::{OutputFlags, plainly_fed, read_folders, robot};
+use super::common::{OutputFlags, read_folders, robot};
 use super::diagnose::words;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
@@ -98,7 +98,7 @@ impl Fit {
             flag: "--robot",
             allowed: "the robot that was measured",
         })?;
-        let believed = robot(&name, &self.overrides).and_then(plainly_fed)?;
+        let believed = robot(&name, &self.overrides)?;
         experiment::plausible(&folder, Some(&believed))?;
         let names: Vec<String> = match self.parameters.as_slice() {
             [] => USUAL.map(str::to_owned).into(),

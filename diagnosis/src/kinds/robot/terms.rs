@@ -1,6 +1,7 @@
 //! The effects that a robot can show: those of its table of terms, and those that are more than one
 //! number of its file.
 
+use saltus_pneumatics::Leg;
 use saltus_robot::terms::Form as TermForm;
 use saltus_robot::{Cylinder, Gas, GaugePressure, Robot, Term};
 
@@ -78,7 +79,7 @@ impl List {
 fn shows(term: Term, sort: Sort) -> bool {
     let section = term.spec().section();
     match sort {
-        Sort::Bench => section.starts_with("leg") || term == Term::Gravity,
+        Sort::Bench => section.starts_with("leg") || section == "tank" || term == Term::Gravity,
         // A hop does not know how the ground lies about its foot.
         Sort::Hop => !matches!(term, Term::Slope | Term::Tilt),
         _ => true,
@@ -316,10 +317,16 @@ const OF_BOOM: [Unlisted; 3] = [
     ),
 ];
 
+/// Whether the leg is fed from a tank, through a tube, or by a valve that moves in time.
+fn is_fed(robot: &Robot) -> bool {
+    Leg::new(robot, |_, x: f64| x).feed.is_some()
+}
+
 /// Terms without a name: forces and torques as functions of the state.
 fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
-    let is_pneumatic = robot.leg.cylinder().is_some();
-    if is_pneumatic {
+    // One that is fed has a valve that opens in time, and its leaks, of its own.
+    let is_plain = robot.leg.cylinder().is_some() && !is_fed(robot);
+    if is_plain {
         let starts = [5e-4, 2e-3, 8e-3, 0.03];
         let opening = parameter("opening_s", 0.0, (3e-4, 0.1), 1e-3, &starts);
         let effect = Effect::Extra(|e, c| e.opening = c);
@@ -328,7 +335,7 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
     let moves = sort != Sort::Bench;
     let parts = [
         (true, &OF_LEG[..]),
-        (is_pneumatic, &OF_CHAMBER),
+        (is_plain, &OF_CHAMBER),
         (moves && sort != Sort::Hop, &OF_WHEEL),
         (moves && robot.boom.is_some(), &OF_BOOM),
     ];

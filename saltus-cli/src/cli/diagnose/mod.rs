@@ -24,7 +24,7 @@ use self::power::PowerFlags;
 use self::replan::{Replan, ReplanFlags};
 use self::report::Report;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, page_file, plainly_fed, read_folders, robot};
+use super::common::{OutputFlags, PlotOption, page_file, read_folders, robot};
 use crate::error::CliError;
 use crate::output::{Format, reachable};
 use crate::progress::Progress;
@@ -367,8 +367,7 @@ impl Diagnose {
     /// about none.
     fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
         let name = self.robot.clone().or_else(|| folder.robot_name());
-        name.map(|name| robot(&name, &self.overrides).and_then(plainly_fed))
-            .transpose()
+        name.map(|name| robot(&name, &self.overrides)).transpose()
     }
 
     /// The file of the extended robot, where it is asked for; if there is none, the flag is

@@ -14,7 +14,7 @@ use serde_json::{Map, Value, json};
 use super::Diagnose;
 use super::words::{grid, split, with_unit};
 use crate::cli::Status;
-use crate::cli::common::{plainly_fed, robot};
+use crate::cli::common::robot;
 use crate::error::CliError;
 use crate::output::{self, Files, Format, digits};
 use crate::progress::Progress;
@@ -117,7 +117,7 @@ fn robot_of(plan: &Plan, path: &Path, command: &Diagnose) -> Result<Option<Robot
     let usual = plan.kind.spec().robot.map(str::to_owned);
     let own = plan.robot.as_ref().map(beside);
     let name = command.robot.clone().or(own).or(usual);
-    name.map(|name| robot(&name, &command.overrides).and_then(plainly_fed))
+    name.map(|name| robot(&name, &command.overrides))
         .transpose()
 }
 
