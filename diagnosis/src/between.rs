@@ -3,12 +3,13 @@
 //! Standard errors from the residuals of a fit allow for noise, its correlation, and an error of
 //! the model that is alike in all readings. They do not where the model is off in another way in
 //! each run: then the runs ask for different parameters, and the parameters of all runs together
-//! are a compromise that more readings do not improve. The jackknife shows this: each run in turn is left out, and the parameters scatter by
-//! what the runs disagree about. It is taken with the derivatives at the fit, a step of Gauss and
-//! Newton for each run, which costs no prediction of the model.
+//! are a compromise that more readings do not improve. Cochran's test says whether the runs disagree
+//! more than chance has it. If so, the jackknife says how far the parameters scatter: each run in
+//! turn is left out. Both are taken with the derivatives at the fit, and cost no prediction of the
+//! model.
 //!
-//! Source: Efron and Stein, The jackknife estimate of variance, 1981; MacKinnon, Nielsen and Webb,
-//! Fast and reliable jackknife and bootstrap methods for cluster-robust inference, 2023.
+//! Source: Cochran, The combination of estimates from different experiments, 1954; Efron and Stein,
+//! The jackknife estimate of variance, 1981.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,40 +18,43 @@ use crate::statistics::{chi_square, student};
 
 /// How often chance alone makes the runs disagree as much.
 const CHANCE: f64 = 0.05;
-/// Without a run that holds more than all but this part of the information on a parameter, the rest
-/// does not tell the parameter.
-const LEAST_LEFT: f64 = 0.01;
+
+/// What a run, or a group of runs that belong together, says of the parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// Its information (n × n).
+    pub(crate) information: DMatrix<f64>,
+    /// Its part of the derivative of half the loss.
+    pub(crate) score: DVector<f64>,
+}
 
 /// How much each parameter scatters between runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Between {
-    /// Variance of each parameter; 0 where the runs that are left do not tell it.
+    /// Variance of each parameter.
     variances: Vec<f64>,
+    /// Cochran's sum, and how many degrees of freedom it has.
+    disagreement: (f64, usize),
     /// How many runs, or groups of them, were left out in turn.
     groups: usize,
 }
 
 impl Between {
-    /// Of the information (n × n) that each group of runs has on `n` parameters, and its part of the
-    /// derivative of half the loss.
-    pub(crate) fn new(parts: &[(DMatrix<f64>, DVector<f64>)]) -> Between {
-        let n = parts.first().map_or(0, |(of_one, _)| of_one.nrows());
+    /// Of the parts of all runs, where each parameter may move down and up by so much.
+    pub(crate) fn new(parts: &[Part], ranges: &[(f64, f64)]) -> Between {
+        let n = ranges.len();
         let mut variances = vec![0.0; n];
-        if n > 0 && parts.len() > 1 {
-            let zero = DMatrix::zeros(n, n);
-            let all = parts.iter().fold(zero, |sum, (of_one, _)| sum + of_one);
-            let known = covariance(&all);
-            let share = (parts.len() - 1) as f64 / parts.len() as f64;
-            for (of_one, score) in parts {
-                let left = covariance(&(&all - of_one));
-                let moved = &left * score;
-                for (i, variance) in variances.iter_mut().enumerate() {
-                    *variance += share * moved[i] * moved[i];
-                    let rest = known[(i, i)] / left[(i, i)];
-                    if rest.is_nan() || rest <= LEAST_LEFT {
-                        *variance = f64::NAN;
-                    }
-                }
+        let (mut sum, mut told) = (0.0, 0);
+        let zero = DMatrix::zeros(n, n);
+        let all = parts.iter().fold(zero, |sum, part| sum + &part.information);
+        let share = (parts.len().saturating_sub(1)) as f64 / parts.len().max(1) as f64;
+        for part in parts.iter().filter(|_| n > 0) {
+            let own = known(&part.information);
+            sum += part.score.dot(&(&own.0 * &part.score));
+            told += own.1;
+            let moved = known(&(&all - &part.information)).0 * &part.score;
+            for ((variance, moved), range) in variances.iter_mut().zip(&moved).zip(ranges) {
+                *variance += share * (-moved).clamp(range.0, range.1).powi(2);
             }
         }
         for variance in variances.iter_mut().filter(|v| !v.is_finite()) {
@@ -58,19 +62,21 @@ impl Between {
         }
         Between {
             variances,
+            disagreement: (sum, told.saturating_sub(n)),
             groups: parts.len(),
         }
     }
 
-    /// How far parameter `i` scatters between runs, where its variance by the readings is `variance`;
-    /// none where that is no more than chance makes it in 95 % of cases.
-    pub(crate) fn wider(&self, i: usize, variance: f64) -> Option<Wider> {
-        let degrees = self.groups.saturating_sub(1);
+    /// How far parameter `i` scatters between runs, where its variance by the readings is `variance`.
+    /// None where that is less, and where the runs disagree no more than chance makes them in 95 % of
+    /// cases, if residuals weigh `inflation` times as much as white noise.
+    pub(crate) fn wider(&self, i: usize, variance: f64, inflation: f64) -> Option<Wider> {
+        let (sum, degrees) = self.disagreement;
         let own = *self.variances.get(i)?;
-        let chance = chi_square(degrees, 1.0 - CHANCE) / degrees as f64;
-        (degrees > 0 && variance > 0.0 && own / variance > chance.max(1.0)).then(|| Wider {
+        let disagrees = degrees > 0 && sum > inflation * chi_square(degrees, 1.0 - CHANCE);
+        (disagrees && variance > 0.0 && own > variance).then(|| Wider {
             deviation: own.sqrt(),
-            half: student(degrees) * own.sqrt(),
+            half: student(self.groups - 1) * own.sqrt(),
         })
     }
 }
@@ -84,37 +90,50 @@ pub(crate) struct Wider {
     pub(crate) half: f64,
 }
 
-/// Covariance of parameters by what is identifiable of an information matrix.
-fn covariance(information: &DMatrix<f64>) -> DMatrix<f64> {
+/// Covariance of parameters by what is identifiable of an information matrix, and how many directions
+/// are.
+fn known(information: &DMatrix<f64>) -> (DMatrix<f64>, usize) {
     let found = Identifiability::new(information);
-    found.covariance(|k| found.is_identifiable(k))
+    let is_known = |k: usize| found.is_identifiable(k);
+    let count = (0..information.nrows()).filter(|k| is_known(*k)).count();
+    (found.covariance(is_known), count)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Runs whose readings of one number have these means; each with ten readings of unit noise.
-    fn of_means(means: &[f64]) -> Between {
-        let all = means.iter().sum::<f64>() / means.len() as f64;
-        let part = |mean: &f64| {
-            (
-                DMatrix::from_element(1, 1, 10.0),
-                DVector::from_element(1, 10.0 * (mean - all)),
-            )
-        };
-        Between::new(&means.iter().map(part).collect::<Vec<_>>())
+    const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+    fn part(information: &[f64], score: &[f64]) -> Part {
+        let n = score.len();
+        Part {
+            information: DMatrix::from_row_slice(n, n, information),
+            score: DVector::from_row_slice(score),
+        }
+    }
+
+    /// Runs whose readings of one number have these means; each with so many readings of unit noise.
+    fn of_means(means: &[(f64, f64)], range: (f64, f64)) -> Between {
+        let all = means.iter().map(|(mean, n)| mean * n).sum::<f64>();
+        let all = all / means.iter().map(|(_, n)| n).sum::<f64>();
+        let part = |(mean, n): &(f64, f64)| part(&[*n], &[n * (mean - all)]);
+        Between::new(&means.iter().map(part).collect::<Vec<_>>(), &[range])
     }
 
     /// The jackknife of a mean is the textbook's standard error from the scatter of what is averaged.
     #[test]
     fn of_a_mean_it_is_the_scatter_of_the_runs() {
-        let means: [f64; 5] = [1.0, 2.0, 4.0, 4.0, 9.0];
-        let scatter = means.iter().map(|x| (x - 4.0).powi(2)).sum::<f64>() / 4.0 / 5.0;
-        let found = of_means(&means);
+        let means = [1.0, 2.0, 4.0, 4.0, 9.0].map(|mean| (mean, 10.0));
+        let scatter = means
+            .iter()
+            .map(|x: &(f64, f64)| (x.0 - 4.0).powi(2))
+            .sum::<f64>()
+            / 4.0
+            / 5.0;
+        let found = of_means(&means, FREE);
         assert!((found.variances[0] - scatter).abs() < 1e-12 * scatter);
-        let noise = 1.0 / 50.0;
-        let wider = found.wider(0, noise).expect("no chance");
+        let wider = found.wider(0, 1.0 / 50.0, 1.0).expect("no chance");
         assert!((wider.deviation - scatter.sqrt()).abs() < 1e-12);
         // t of four degrees, from its table.
         assert!((wider.half / wider.deviation - 2.776_445).abs() < 1e-5);
@@ -124,27 +143,47 @@ mod tests {
     fn runs_that_agree_as_chance_has_it_change_nothing() {
         // χ² of two degrees: 5.99 at 5 %.
         let noise = 1.0 / 30.0;
-        let with_square = |square: f64| {
+        let with_square = |square: f64, inflation: f64| {
             let off = (square / 20.0).sqrt();
-            of_means(&[-off, 0.0, off]).wider(0, noise)
+            let means = [-off, 0.0, off].map(|mean| (mean, 10.0));
+            of_means(&means, FREE).wider(0, noise, inflation)
         };
-        assert_eq!(with_square(5.9), None);
-        let wider = with_square(6.1).expect("more than chance");
+        assert_eq!(with_square(5.9, 1.0), None);
+        let wider = with_square(6.1, 1.0).expect("more than chance");
         assert!((wider.deviation.powi(2) / noise - 3.05).abs() < 1e-9);
-        assert_eq!(of_means(&[3.0]).wider(0, noise), None);
+        assert_eq!(with_square(6.1, 1.1), None);
+        assert_eq!(of_means(&[(3.0, 10.0)], FREE).wider(0, noise, 1.0), None);
+    }
+
+    /// One run has nearly all readings: the mean of the others is far from its own by chance alone.
+    #[test]
+    fn a_run_with_nearly_all_readings_does_not_disagree_by_chance() {
+        let means = |off: f64| [(0.0, 1000.0), (off, 1.0), (0.0, 1.0)];
+        let found = |off: f64| of_means(&means(off), FREE).wider(0, 1e-3, 1.0);
+        assert_eq!(found(2.0), None);
+        assert!(found(3.0).is_some());
+    }
+
+    #[test]
+    fn a_run_left_out_moves_nothing_out_of_its_range() {
+        let means = [1.0, 2.0, 4.0, 4.0, 9.0].map(|mean| (mean, 10.0));
+        let found = of_means(&means, (-1.0, 0.5));
+        // Without them the mean of 4 moves by 0.75, 0.5, 0, 0 and −1.25.
+        let known = 0.8 * (0.25 + 0.25 + 1.0);
+        assert!((found.variances[0] - known).abs() < 1e-12, "{found:?}");
     }
 
     /// What one run alone tells cannot be told without it.
     #[test]
     fn what_one_run_tells_alone_is_not_judged() {
-        let part = |of_second: f64, score: f64| {
-            (
-                DMatrix::from_row_slice(2, 2, &[10.0, 0.0, 0.0, of_second]),
-                DVector::from_vec(vec![score, 0.0]),
-            )
-        };
-        let found = Between::new(&[part(10.0, 30.0), part(0.0, -30.0), part(0.0, 0.0)]);
-        assert_eq!(found.wider(1, 1e-9), None);
-        assert!(found.wider(0, 0.1).is_some());
+        let parts = [
+            part(&[10.0, 0.0, 0.0, 10.0], &[30.0, 0.0]),
+            part(&[10.0, 0.0, 0.0, 0.0], &[-30.0, 0.0]),
+            part(&[10.0, 0.0, 0.0, 0.0], &[0.0, 0.0]),
+        ];
+        let found = Between::new(&parts, &[FREE; 2]);
+        assert_eq!(found.wider(1, 1e-9, 1.0), None);
+        assert!(found.wider(0, 0.1, 1.0).is_some());
+        assert_eq!(found.disagreement, (180.0, 2));
     }
 }

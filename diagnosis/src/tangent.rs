@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
-use crate::between::{Between, Wider};
+use crate::between::{Between, Part, Wider};
 use crate::discrepancy::Discrepancy;
 use crate::fit::{Fit, Place, derivative, parameters_of, predicted, residuals, weight};
 use crate::identifiability::Identifiability;
@@ -66,11 +66,13 @@ impl Known {
         }
     }
 
-    /// Where the runs disagree about a parameter more than `inflation` allows, how far it scatters
-    /// between them.
+    /// Where the runs disagree more than `inflation` allows, how far a parameter scatters between
+    /// them.
     pub(crate) fn wider(&self, index: usize, inflation: f64) -> Option<Wider> {
         let variance = self.inflation(index, inflation) * self.covariance[(index, index)];
-        self.between.wider(index, variance)
+        let all = (0..self.covariance.nrows()).map(|i| self.inflation(i, inflation));
+        self.between
+            .wider(index, variance, all.fold(inflation, f64::max))
     }
 }
 
@@ -581,7 +583,7 @@ impl Tangent {
         let residuals = Tangent::residuals(kind, fit)?;
         let n = self.on.len();
         let free = |i: usize| f64::from(u8::from(!self.rests[i]));
-        let mut parts: Vec<(usize, DMatrix<f64>, DVector<f64>)> = Vec::new();
+        let mut parts: Vec<(usize, Part)> = Vec::new();
         for (run, ends) in self.bounds.windows(2).enumerate() {
             let here = |i: usize| &self.on[i][ends[0]..ends[1]];
             let information =
@@ -591,15 +593,22 @@ impl Tangent {
             });
             let group = kind.group(run);
             match parts.iter_mut().find(|part| part.0 == group) {
-                Some(part) => {
-                    part.1 += information;
-                    part.2 += score;
+                Some((_, part)) => {
+                    part.information += information;
+                    part.score += score;
                 }
-                None => parts.push((group, information, score)),
+                None => parts.push((group, Part { information, score })),
             }
         }
-        let parts: Vec<_> = parts.into_iter().map(|(_, a, b)| (a, b)).collect();
-        Some(Between::new(&parts))
+        let parts: Vec<Part> = parts.into_iter().map(|(_, part)| part).collect();
+        let range = |place: &(usize, usize)| {
+            let value = fit.terms.get(place.0, place.1);
+            let spec = &kind.causes()[place.0].parameters[place.1];
+            let (low, high) = spec.bounds;
+            ((low - value) / spec.scale, (high - value) / spec.scale)
+        };
+        let ranges: Vec<(f64, f64)> = parameters_of(kind, &fit.causes).iter().map(range).collect();
+        Some(Between::new(&parts, &ranges))
     }
 
     /// What the model's own error adds to the covariance that noise of the readings gives.
