@@ -51,6 +51,54 @@ fn a_heavy_wheel_is_found_in_jumps() {
     check("inject-jump", "mass=3.4 --kind jump --runs 2", "mass");
 }
 
+/// Robots that carry their gas, or feed their legs through tubes.
+#[test]
+fn what_feeds_a_leg_is_found() {
+    let folder = Folder::new("inject-fed");
+    let tank = "--robot rats-boom --set tank.volume_l=0.3";
+    let tube = "--robot rats-boom --set leg.tube.length_m=0.5 --set leg.tube.diameter_mm=4";
+    for (robot, kind, hidden) in [
+        (tank, "hop", "tank=8e-5"),
+        (tube, "bench", "tube=1.2,0.004"),
+    ] {
+        let id = hidden.split('=').next().unwrap();
+        let line = format!("diagnose --inject {hidden} --kind {kind} {robot} --runs 4 --out {id}");
+        folder.done(&line, 0);
+        let causes = found(&folder, &format!("{id} {robot} --most 1"), 1);
+        assert_eq!(causes.len(), 1, "{causes:?}");
+        assert!(causes[0].iter().any(|found| found == id), "{causes:?}");
+    }
+}
+
+/// What a muscle has in series is looked for where there is a muscle.
+#[test]
+fn a_tendon_is_a_cause_of_muscles_alone() {
+    let folder = Folder::new("inject-tendon");
+    let page = include_str!("../../../robots/README.md");
+    let mut examples = page
+        .split("```toml\n")
+        .filter_map(|rest| rest.split("```").next());
+    let muscle = examples.find(|text| text.contains("kind = \"muscle\""));
+    folder.write("muscle.toml", muscle.unwrap());
+    let hide = |robot: &str| {
+        let line =
+            format!("diagnose --inject series-spring=2000 --robot {robot} --runs 1 --out data");
+        folder.run(&line.split(' ').collect::<Vec<_>>()).code
+    };
+    assert_eq!(hide("rats-boom"), Some(2));
+    assert_eq!(hide("muscle.toml"), Some(0));
+}
+
+/// Its strides empty one tank, and are fitted one by one.
+#[test]
+fn a_run_of_a_robot_with_a_tank_is_refused() {
+    let folder = Folder::new("inject-tank-run");
+    folder.done("run --gait smooth --seconds 3 --telemetry logs", 0);
+    let said = folder.run(&["diagnose", "logs", "--set", "tank.volume_l=0.3"]);
+    assert_eq!(said.code, Some(2), "{}{}", said.out, said.err);
+    assert!(said.err.contains("tank.volume"), "{}", said.err);
+}
+
 /// What is without a limit unless it is hidden can be hidden alone.
 #[test]
 fn slip_on_smooth_ground_is_hidden() {
