@@ -4,24 +4,12 @@ use saltus_robot::{Term, terms};
 
 /// Ids of the causes that are not a term of a robot file, each with what is so in the machine and
 /// not in the simulation.
-const OTHERS: [(&str, &str); 10] = [
+const OTHERS: [(&str, &str); 7] = [
     (
         "supply-pressure",
         "the supply pressure differs from the set value",
     ),
     ("gas-type", "the gas is another one"),
-    (
-        "tube",
-        "the tube between valve and actuator has another volume or resistance",
-    ),
-    (
-        "tank",
-        "the pressure of the tank falls otherwise while gas is drawn",
-    ),
-    (
-        "series-spring",
-        "what is in series with the actuator is softer or stiffer",
-    ),
     ("imbalance", "the centre of mass is off the axle"),
     ("foot-slip", "the foot slips on the ground"),
     ("encoder-scale", "the sensor's scale is wrong"),

@@ -32,7 +32,7 @@ pub enum Problem {
     },
     /// The strides of a run draw on one tank, and are fitted one by one.
     #[error(
-        "robot {robot} has a tank: its strides empty it, and data of kind run are fitted stride by stride; leave \
+        "robot {robot:?} has a tank, which its strides empty, and data of kind run are fitted stride by stride: leave \
          tank.volume out, or measure jumps (kind jump)"
     )]
     Tank {

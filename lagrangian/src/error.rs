@@ -45,7 +45,7 @@ pub enum StanceError {
         reason: String,
     },
     /// The stance lasts longer than any jump.
-    #[error("no lift-off within {time} s")]
+    #[error("no lift-off within {time:.3} s")]
     TooLong {
         /// Time in the stance (s).
         time: f64,

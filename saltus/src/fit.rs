@@ -36,7 +36,7 @@ pub struct Fitted {
 #[non_exhaustive]
 pub enum Error {
     /// Data of another kind.
-    #[error("data of kind {found:?}: must be of kind bench")]
+    #[error("data of kind {}: must be of kind bench", found.spec().id)]
     Kind {
         /// The kind.
         found: Sort,
@@ -187,7 +187,10 @@ fn parameters(firings: &Firings, robot: &Robot) -> Vec<(&'static str, Parameter,
     let mut all: Vec<(&'static str, Parameter, Place)> = Vec::new();
     for (c, cause) in firings.causes().iter().enumerate() {
         for (p, parameter) in cause.parameters.iter().enumerate() {
-            if parameter.name.starts_with("leg.") {
+            if ["leg.", "tank."]
+                .iter()
+                .any(|part| parameter.name.starts_with(part))
+            {
                 all.push((cause.id, parameter.clone(), Place::Cause(c, p)));
             }
         }

@@ -167,7 +167,7 @@ terms! {
     /// From the command to the first flow or force, t_d (s).
     Delay = Spec::needed("leg.valve_delay", TIME, at!(robot, leg.delay))
         .shown("valve_delay_ms = 10", "on opening, and on closing unless the next key is given")
-        .cause("valve-delay", "the valve opens and closes later than commanded", |_, now| {
+        .cause("valve-delay", "the valve answers earlier or later than believed", |_, now| {
             direct(now, (0.0, 0.2), 3e-4, &[0.5 * now, now + 4e-3, now + 0.012])
         })
         .hidden(&[0.001, 0.025])
@@ -420,7 +420,7 @@ terms! {
     )
     .within(|_| Domain::POSITIVE.or_infinite())
     .without(|_| Some(f64::INFINITY))
-    .cause("series-spring", "what is in series with the muscle is softer or stiffer", |_, now| {
+    .cause("series-spring", "what is in series with the actuator is softer or stiffer", |_, now| {
         let compliance = 1.0 / now;
         Fit {
             neutral: compliance,
@@ -431,7 +431,7 @@ terms! {
     /// Length of the tube between valve and chamber (m).
     TubeLength = Spec::needed("leg.tube.length", LENGTH, at!(cylinder, tube => length))
         .shown("length_m = 0.5", "0: no tube")
-        .cause("tube", "the tube between valve and chamber is longer, shorter, wider or narrower", |_, now| {
+        .cause("tube", "the tube between valve and actuator has another volume or resistance", |_, now| {
             direct(now, (0.02 * now, 50.0 * now), 0.02 * now, &[0.5 * now, 2.0 * now])
         })
         .seen_in(has_tube);
@@ -459,7 +459,7 @@ terms! {
     )
     .within(|_| Domain::POSITIVE.or_infinite())
     .shown("volume_l = 0.4", "all legs draw on it; inf: it does not empty")
-    .cause("tank", "the tank is larger or smaller", |_, now| {
+    .cause("tank", "the pressure of the tank falls otherwise while gas is drawn", |_, now| {
         direct(now, (0.05 * now, 20.0 * now), 0.01 * now, &[0.6 * now, 1.7 * now])
     })
     .seen_in(has_tank);
@@ -475,7 +475,7 @@ terms! {
         "wall_resistance_k_per_w = 5",
         "heat from the wall, at gas_temperature; 0: isothermal; inf or left out: adiabatic",
     )
-    .cause("tank", "the gas in the tank takes up more or less heat from the wall", |_, now| {
+    .cause("tank", "the pressure of the tank falls otherwise while gas is drawn", |_, now| {
         let conductance = 1.0 / now;
         Fit {
             neutral: conductance,

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::diagnosis::{Diagnosis, Kind, Known, Misstated, Settings};
+use saltus::diagnosis::{Diagnosis, Kind, Known, Misstated, Settings, Sort};
 use saltus::experiment::{self, Folder};
 use saltus::study::{self, Study, Worth};
 
@@ -249,6 +249,11 @@ impl Diagnose {
         more.map(PathBuf::as_path).try_for_each(reachable)?;
         let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
+        if let (Some(path), None) = (&self.extend, &robot) {
+            let kind = folder.experiment.kind.spec().id;
+            let allowed = format!("left out: data of kind {kind} are about no robot");
+            return Err(CliError::flag("--extend", path.display(), allowed));
+        }
         experiment::plausible(&folder, robot.as_ref())?;
         let settings = folder.settings(&self.settings());
         let asked_plan = self.replan.asked(robot.as_ref(), self.seed)?;
@@ -263,7 +268,7 @@ impl Diagnose {
             .as_ref()
             .zip(extended.as_ref())
             .and_then(|(b, e)| study::worth(b, e));
-        let corrected = self.corrected(&study, extended.as_ref(), &folder.hash)?;
+        let corrected = self.corrected(&study, extended.as_ref(), &folder.hash);
         let replan = asked_plan.zip(robot.as_ref());
         let replan = replan
             .map(|(asked, robot)| asked.replan(robot, &study))
@@ -277,6 +282,11 @@ impl Diagnose {
         let note = |name: String| format!("known {name} is not used: no cause of this kind has it");
         folder.notes.extend(unused.into_iter().map(note));
         folder.notes.extend(kind.notes());
+        if let (Some(path), None) = (&self.extend, &corrected) {
+            let path = path.display();
+            let why = "nothing was found that is a property of a robot";
+            folder.notes.push(format!("{path} is not written: {why}"));
+        }
         let asked = steps::Asked {
             folders: self.folders.clone(),
             robot: self.robot.clone(),
@@ -366,25 +376,27 @@ impl Diagnose {
     /// The robot that was measured, as the flags or else the folder say; none where the kind is
     /// about none.
     fn robot_of(&self, folder: &Folder) -> Result<Option<Robot>, CliError> {
+        let kind = folder.experiment.kind;
+        if let (Some(name), Sort::Machine | Sort::Walk | Sort::TankLeg) = (&self.robot, kind) {
+            let allowed = format!(
+                "left out: data of kind {} are of the machine that [rig] describes",
+                kind.spec().id
+            );
+            return Err(CliError::flag("--robot", name, allowed));
+        }
         let name = self.robot.clone().or_else(|| folder.robot_name());
         name.map(|name| robot(&name, &self.overrides)).transpose()
     }
 
-    /// The file of the extended robot, where it is asked for; if there is none, the flag is
-    /// refused.
+    /// The file of the extended robot, where it is asked for and there is one.
     fn corrected(
         &self,
         study: &Study,
         extended: Option<&Robot>,
         hash: &str,
-    ) -> Result<Option<(&'static str, &Path, String)>, CliError> {
-        let Some(path) = &self.extend else {
-            return Ok(None);
-        };
-        let Some(robot) = extended else {
-            let allowed = "left out: nothing was found that is a property of a robot";
-            return Err(CliError::flag("--extend", path.display(), allowed));
-        };
-        Ok(Some(("--extend", path, study.robot_file(robot, hash))))
+    ) -> Option<(&'static str, &Path, String)> {
+        let path = self.extend.as_deref()?;
+        let text = study.robot_file(extended?, hash);
+        Some(("--extend", path, text))
     }
 }

@@ -54,6 +54,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     if let Some(left) = report.left() {
         sentence(&mut out, &left);
     }
+    if let Some(stopped) = report.stopped() {
+        sentence(&mut out, &stopped);
+    }
     if let Some(small) = report.small() {
         sentence(&mut out, &small);
     }

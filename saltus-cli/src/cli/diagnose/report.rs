@@ -156,6 +156,27 @@ impl<'a> Report<'a> {
         ))
     }
 
+    /// That more causes may be at work than were looked for, if what is left is not noise.
+    pub(super) fn stopped(&self) -> Option<String> {
+        /// What `--most` takes.
+        const MOST: usize = 6;
+        let (diagnosis, settings) = (&self.found.diagnosis, &self.found.settings);
+        let most = settings.most.unwrap_or_else(|| self.found.kind.most());
+        let is_noise = diagnosis
+            .fitness
+            .1
+            .is_noise
+            .iter()
+            .all(|is_noise| *is_noise);
+        (diagnosis.findings.len() >= most && most < MOST && !is_noise).then(|| {
+            format!(
+                "The search ended at {most} {}, and what is left is not noise: --most {MOST} looks \
+                 for more.",
+                if most == 1 { "cause" } else { "causes" }
+            )
+        })
+    }
+
     /// What is visible where nothing is claimed, if something is.
     pub(super) fn small(&self) -> Option<String> {
         self.found.diagnosis.small.as_ref().map(known::small)
@@ -419,6 +440,10 @@ impl<'a> Report<'a> {
         if let Some(left) = self.left() {
             out += "\n";
             out += &wrapped(&left, "");
+        }
+        if let Some(stopped) = self.stopped() {
+            out += "\n";
+            out += &wrapped(&stopped, "");
         }
         if let Some(small) = self.small() {
             out += &wrapped(&small, "");
