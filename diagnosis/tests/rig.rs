@@ -420,12 +420,20 @@ fn an_outcome_is_the_apex_and_the_landing_of_the_flight() {
                 ..sim_check::Plan::default()
             };
             let report = whole.jump(&launch, &plan).expect("a motion");
-            if report.landing_at.is_nan() {
-                // A leg that comes back in slowly touches the ground before the axle is down.
-                continue;
-            }
             let (apex, landing) = fast.outcome(lean, rate, valve_open).expect("a jump");
-            let off = [apex - report.apex, landing - report.landing_at];
+            // Of one low jump, off a muscle, the multi-body simulation gives no landing.
+            let has_landing = !report.landing_at.is_nan();
+            assert!(
+                has_landing || robot.name == "muscle leg" && lean == 0.3,
+                "{}",
+                robot.name
+            );
+            let landing_off = if has_landing {
+                landing - report.landing_at
+            } else {
+                0.0
+            };
+            let off = [apex - report.apex, landing_off];
             assert!(
                 off[0].abs() < 3e-6 && off[1].abs() < 5e-6,
                 "{} {launch:?}: apex and landing off by {off:?} m",

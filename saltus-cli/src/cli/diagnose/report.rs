@@ -392,8 +392,8 @@ impl<'a> Report<'a> {
             .iter()
             .flat_map(|f| f.rivals.iter().chain([&f.best]));
         named.flat_map(|c| &c.reported).any(|r| r.runs_disagree).then_some(
-            "Where runs disagree, each asks for another value, more than chance allows: error and \
-             interval are then by how far the value moves as each run in turn is left out.",
+            "Where runs disagree, they ask for different parameters, more than chance allows: error \
+             and interval are then by how far a value moves as each run in turn is left out.",
         )
     }
 
