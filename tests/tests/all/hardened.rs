@@ -19,7 +19,7 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
     let end = stance.jump(launch);
     let trace = stance.trace(launch);
     let batch = Batch::new(robot, FINE).jumps(&[*launch; 3]);
-    let dual: Stance<Dual<1>> = Stance::new(robot, |_, x| Dual::of(x));
+    let dual: Stance<Dual<2>> = Stance::new(robot, |_, x| Dual::of(x));
     let of = Dual::of;
     let dual = dual.jump(&Launch {
         rate: Dual::variable(launch.rate, 0),
