@@ -35,7 +35,7 @@ use super::recorded::McapOption;
 use super::refused::refused;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{Files, Format, digits, message, reachable};
+use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
@@ -101,7 +101,7 @@ pub(crate) struct Run {
 
     /// How much a robot in space bears: the share that comes 30 m within 1 m of its line, or does what else its gait is for,
     /// over scatter of forces, centre of mass, friction and slope; so many robots for each number [default without a value: 40]
-    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_negative_numbers = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
     bears: Option<NonZeroUsize>,
 
     #[command(flatten)]
@@ -225,7 +225,7 @@ accelerometers, and settings.toml. With --believed the folder names another robo
 
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
+        self.ready()?;
         let learned = self.gait.learned()?;
         let robot = self.run_robot(learned.as_ref())?;
         if robot.space.is_some() {
@@ -246,7 +246,6 @@ impl Run {
             self.can_be_analysed(&robot, &chosen)?;
         }
         let mut setup = self.setup(&robot, &chosen)?;
-        self.output.ready(&self.plot)?;
         if let Some(quest) = self.gait.quest() {
             self.places()?;
             chosen.best = best::seek(&mut setup, quest, self.threads.count().get())?;
@@ -449,10 +448,17 @@ impl Run {
         Ok(files)
     }
 
-    /// Refuses files in folders that are not there and files that two flags name, before long work.
+    /// Refuses files and a folder that cannot be written, before long work.
+    fn ready(&self) -> Result<(), CliError> {
+        self.output.ready(&self.plot)?;
+        self.animate.as_deref().map_or(Ok(()), reachable)?;
+        self.mcap.ready()?;
+        self.telemetry.as_deref().map_or(Ok(()), reachable_folder)
+    }
+
+    /// Refuses a page of a long run and files that two flags name, before long work.
     fn places(&self) -> Result<(), CliError> {
-        if let Some(page) = &self.animate {
-            reachable(page)?;
+        if self.animate.is_some() {
             if self.seconds > LONGEST_FILM {
                 let allowed = format!(
                     "used with --seconds {LONGEST_FILM} at most, not {}",
@@ -461,7 +467,6 @@ impl Run {
                 return Err(CliError::flag("--animate", "", allowed));
             }
         }
-        self.mcap.ready()?;
         let out = self.output.out().filter(|out| *out != Path::new("-"));
         let mut files = Files::default();
         files.extend(out.map(|out| ("--out", out)));

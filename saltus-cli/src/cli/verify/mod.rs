@@ -22,7 +22,7 @@ use super::Status;
 use super::common::{Common, PlantFlags, PlotOption, Threads, page_file};
 use super::recorded::{Beside, McapOption};
 use crate::error::CliError;
-use crate::output::Format;
+use crate::output::{Format, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, frictions};
@@ -184,6 +184,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.common.ready(&self.plot)?;
         self.mcap.ready()?;
+        self.animate.as_deref().map_or(Ok(()), reachable)?;
         let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant
