@@ -15,6 +15,7 @@ mod documents;
 mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
+mod golden;
 mod inject;
 mod jump;
 mod learn;
