@@ -33,5 +33,6 @@ mod run;
 mod slips;
 mod strides;
 mod tables;
+mod unwritable;
 mod valves;
 mod verify;
