@@ -18,6 +18,7 @@ mod folder;
 mod golden;
 mod inject;
 mod jump;
+mod keys;
 mod learn;
 mod logs;
 mod meaning;
