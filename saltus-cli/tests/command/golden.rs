@@ -133,7 +133,7 @@ fn settled(text: &str, digits: usize) -> String {
     while let Some(first) = rest.chars().next() {
         let before = settled.chars().next_back();
         let starts = !before.is_some_and(|c| c.is_alphanumeric() || "_.".contains(c));
-        let word = starts.then(|| word_of(rest)).unwrap_or_default();
+        let word = if starts { word_of(rest) } else { "" };
         let (taken, written) = if let Some(name) = hash_of(word) {
             (word.len(), name.to_owned())
         } else if let Some(number) = starts.then(|| number_of(rest)).flatten() {

@@ -49,8 +49,11 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ("_kg", &[("kg", 1.0), ("g", 1e-3)]),
 ];
 
+/// Answers with the commands that gave them.
+type Answers<T> = Vec<(String, T)>;
+
 /// The JSON documents and the CSV tables of the transcript `name`, each with its command.
-fn documents(name: &str) -> (Vec<(String, Value)>, Vec<(String, String)>) {
+fn documents(name: &str) -> (Answers<Value>, Answers<String>) {
     let mut documents = Vec::new();
     let mut tables = Vec::new();
     for Case { line, out } in golden::cases(name) {

@@ -478,14 +478,12 @@ impl Run {
 
     /// Refuses a page of a long run and files that two flags name, before long work.
     fn places(&self) -> Result<(), CliError> {
-        if self.animate.is_some() {
-            if self.seconds > LONGEST_FILM {
-                let allowed = format!(
-                    "used with --seconds {LONGEST_FILM} at most, not {}",
-                    self.seconds
-                );
-                return Err(CliError::flag("--animate", "", allowed));
-            }
+        if self.animate.is_some() && self.seconds > LONGEST_FILM {
+            let allowed = format!(
+                "used with --seconds {LONGEST_FILM} at most, not {}",
+                self.seconds
+            );
+            return Err(CliError::flag("--animate", "", allowed));
         }
         let out = self.output.out().filter(|out| *out != Path::new("-"));
         let mut files = Files::default();
