@@ -382,7 +382,6 @@ impl OutputFlags {
 
     /// Refuses a report that cannot be written, before long work.
     pub(crate) fn report_ready(&self) -> Result<(), CliError> {
-        self.check()?;
         let file = self.out().filter(|out| *out != Path::new("-"));
         file.map_or(Ok(()), reachable)
     }

@@ -88,6 +88,7 @@ struct Report<'a> {
 
 impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
         self.output.report_ready()?;
         self.robot_out.as_deref().map_or(Ok(()), reachable)?;
         let mut folder = read_folders(&self.folders)?;

@@ -161,6 +161,7 @@ struct Answer<'a> {
 
 impl Jump {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
         self.output.ready(&self.plot)?;
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));

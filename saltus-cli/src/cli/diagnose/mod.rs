@@ -240,6 +240,7 @@ impl Diagnose {
         if self.inject.is_set() {
             return self.inject.run(&self);
         }
+        self.output.check()?;
         self.output.ready(&self.plot)?;
         if let Some(plan) = self.power.plan() {
             return self.power.run(plan, &self);

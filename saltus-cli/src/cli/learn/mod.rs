@@ -300,6 +300,7 @@ impl Before {
 
 impl Learn {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
         self.output.ready(&self.plot)?;
         self.animate.as_deref().map_or(Ok(()), reachable)?;
         let before = self.before()?;

@@ -245,6 +245,7 @@ accelerometers, and settings.toml. With --believed the folder names another robo
 
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.check()?;
         self.ready()?;
         let learned = self.gait.learned()?;
         let robot = self.run_robot(learned.as_ref())?;
