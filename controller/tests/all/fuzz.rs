@@ -1,16 +1,12 @@
 //! Whatever bits come in, a value or a reason goes out: no panic, and no number that is none.
 //!
-//! `cargo test --release -p saltus-controller --test fuzz -- --ignored` takes every f32 there is
+//! `cargo test --release -p saltus-controller --test all fuzz -- --ignored` takes every f32 there is
 //! for a rate.
 
 use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{Approach, Controller, Guess, Observer, Obstacle, Sensed, Task, Timing};
 
-#[rustfmt::skip]
-#[path = "../examples/rats_planar/tables.rs"]
-mod tables;
-
-const CONTROLLER: Controller<'static, f32> = tables::RATS_PLANAR;
+const CONTROLLER: Controller<'static, f32> = crate::rats_planar::RATS_PLANAR;
 
 /// Bits that break things: zeros, denormals, ends, infinities, NaN with and without payload; and
 /// what is usual.
@@ -246,7 +242,7 @@ fn an_observer_survives_any_reading() {
 }
 
 #[test]
-#[ignore = "4.3e9 look-ups: minutes, in release"]
+#[ignore = "nightly: 300 s in release, section floats"]
 fn every_rate_there_is() {
     let mut answered = 0_u32;
     for bits in 0..=u32::MAX {

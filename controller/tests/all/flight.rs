@@ -4,11 +4,7 @@ use proptest::prelude::*;
 use saltus_ballistic::Flight;
 use saltus_controller::{Controller, LiftOff, Observer, Sensed, Timing};
 
-#[rustfmt::skip]
-#[path = "../examples/rats_planar/tables.rs"]
-mod tables;
-
-const CONTROLLER: Controller<'static, f32> = tables::RATS_PLANAR;
+const CONTROLLER: Controller<'static, f32> = crate::rats_planar::RATS_PLANAR;
 const GRAVITY: f64 = 9.80665;
 
 fn lift_off(state: [f64; 4]) -> LiftOff<f64> {

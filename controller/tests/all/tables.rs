@@ -5,11 +5,7 @@ use saltus_controller::{
     Approach, Axis, Controller, FiringCurve, FiringTable, Input, Rates, Reason, Rule, Sensed, Task,
 };
 
-#[rustfmt::skip]
-#[path = "../examples/rats_planar/tables.rs"]
-mod tables;
-
-use tables::RATS_PLANAR;
+use crate::rats_planar::RATS_PLANAR;
 
 const CONTROLLER: Controller<'static, f32> = RATS_PLANAR;
 

@@ -1,7 +1,6 @@
 //! Running: the firing laws, the state machine on synthetic wheel counts, and what stands at rest.
 
 // Counts and singles are made of doubles.
-#![allow(clippy::cast_possible_truncation)]
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,6 @@
 //! An obstacle ahead: what the table says where, how the distance is carried on, and the run-up.
 
 // Counts are made of doubles.
-#![allow(clippy::cast_possible_truncation)]
 
 use std::f64::consts::TAU;
 
