@@ -394,3 +394,45 @@ fn flat(prefix: &str, path: &str) -> Vec<String> {
     }
     all
 }
+
+/// Rust files below `folder` that belong to the workspace.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let is_hidden = name.is_none_or(|name| name.starts_with('.') || name == "target");
+        if path.is_dir() && !path.is_symlink() && !is_hidden {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// An ignored test says how long it takes: `.ci/nightly` runs it, and nobody else.
+#[test]
+fn every_ignored_test_is_for_the_night_and_says_its_seconds() {
+    let mut files = Vec::new();
+    sources(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join(".."),
+        &mut files,
+    );
+    let mut count = 0;
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a source");
+        for line in text.lines().map(str::trim_start) {
+            let Some(rest) = line.strip_prefix("#[ignore") else {
+                continue;
+            };
+            let reason = rest.strip_prefix(" = \"nightly: ");
+            let seconds = reason.and_then(|reason| reason.split(' ').next()?.parse::<u32>().ok());
+            assert!(
+                seconds.is_some_and(|seconds| seconds > 0),
+                "{}: {line}: write #[ignore = \"nightly: 40 s\"]",
+                file.display()
+            );
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count} ignored tests");
+}
