@@ -101,7 +101,7 @@ pub(crate) struct Run {
 
     /// How much a robot in space bears: the share that comes 30 m within 1 m of its line, or does what else its gait is for,
     /// over scatter of forces, centre of mass, friction and slope; so many robots for each number [default without a value: 40]
-    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_negative_numbers = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
     bears: Option<NonZeroUsize>,
 
     #[command(flatten)]
