@@ -189,8 +189,9 @@ mod tests {
         for page in pages {
             let text = std::fs::read_to_string(&page).expect("a page");
             for words in named(&text) {
-                // The shell takes what follows `>`.
-                let words = words.into_iter().take_while(|word| word != ">");
+                // The shell takes what follows `>` and `&&`.
+                let is_ours = |word: &String| word != ">" && word != "&&";
+                let words = words.into_iter().take_while(is_ours);
                 let line = std::iter::once("saltus".to_owned()).chain(words);
                 let line: Vec<String> = line.collect();
                 // A sentence names a flag without its value, or a command without what it needs.

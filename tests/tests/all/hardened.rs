@@ -27,7 +27,16 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
         valve_open: of(launch.valve_open),
     });
     prop_assert_eq!(end.is_ok(), dual.is_ok(), "{:?} {:?}", end, dual);
-    prop_assert_eq!(end.is_ok(), trace.is_ok(), "{:?} {:?}", end, trace);
+    // Step by step a stance may take too long where a closed form has its end.
+    match &trace {
+        Ok(_) => prop_assert!(end.is_ok(), "{:?}", end),
+        Err(error) => prop_assert!(
+            end.is_err() || !matches!(error, StanceError::Input { .. }),
+            "{:?} {:?}",
+            end,
+            error
+        ),
+    }
     for other in Batch::new(robot, FINE).jumps(&[*launch; 3]) {
         prop_assert_eq!(outcome(&end), outcome(&other), "{:?} {:?}", end, other);
     }
