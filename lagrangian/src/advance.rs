@@ -5,9 +5,8 @@ use saltus_numeric::{Scalar, Single};
 
 use crate::StanceError;
 
-/// Numbers in a state: lean, rate, extension, speed, gas, time, and two that round the state up to
-/// a SIMD register.
-pub(crate) const WIDTH: usize = 8;
+/// Numbers in a state: lean, rate, extension, speed, gas, time.
+pub(crate) const WIDTH: usize = 6;
 
 /// Components whose error is controlled: all but time.
 pub(crate) const CHECKED: usize = 5;
@@ -137,6 +136,9 @@ impl Pace {
     }
 }
 
+/// What sees the state before and after each step.
+pub(crate) type Observe<'a, S, const W: usize> = dyn FnMut(&[S; W], &[S; W]) + 'a;
+
 /// Carries `y` through `phase` to its first event, whose number is returned, or to the time `end`
 /// (none).
 ///
@@ -148,7 +150,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, W, M>, const W: usize, const M: usi
     y: &mut [S; W],
     end: Option<S>,
     pace: &mut Pace,
-    observe: &mut impl FnMut(&[S; W], &[S; W]),
+    observe: &mut Observe<'_, S, W>,
 ) -> Result<Option<usize>, StanceError> {
     let begin = y[TIME].value();
     let mut here = phase.look(y);
@@ -206,7 +208,7 @@ pub(crate) fn advance<S: Single, P: Phase<S, W, M>, const W: usize, const M: usi
 
 /// Goes on to `next`, which `observe` sees.
 #[inline(always)]
-fn go<S, const W: usize>(y: &mut [S; W], next: [S; W], observe: &mut impl FnMut(&[S; W], &[S; W])) {
+fn go<S, const W: usize>(y: &mut [S; W], next: [S; W], observe: &mut Observe<'_, S, W>) {
     observe(y, &next);
     *y = next;
 }

@@ -17,8 +17,6 @@ use crate::phase::FORCE_SCALE;
 use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
-/// Numbers in a state that move.
-const MOVING: usize = 6;
 /// Guards of the extension: end of the stroke, force, the edges of the valve's piece above and
 /// below.
 const GUARDS: usize = 4;
@@ -82,11 +80,10 @@ impl Batch {
         if let (Some(chamber), Some(lane_chamber)) =
             (self.one.leg.chamber(), self.many.leg.chamber())
             && self.one.plain
-            && self.width.fuses()
         {
             // All of it is inlined here: what is not is compiled for the base, and forty times
-            // slower.
-            self.width.run(
+            // slower. Without fused multiply-add every jump goes one by one.
+            self.width.run_fused(
                 #[inline(always)]
                 || {
                     let ready = self.prepare(launches, lane_chamber);
@@ -232,7 +229,7 @@ struct Crew<'a> {
     chamber: &'a Chamber<f64>,
     field: Field<'a>,
     jobs: [Option<Job>; LANES],
-    states: [Lanes; MOVING],
+    states: [Lanes; WIDTH],
     /// When the valve closes; infinite once it has.
     end: Lanes,
     /// Length (s) of the next ordinary step.
@@ -266,7 +263,7 @@ struct Taken {
     wait: [f64; LANES],
     fresh: [[f64; LANES]; GUARDS],
     error: [f64; LANES],
-    next: [[f64; LANES]; MOVING],
+    next: [[f64; LANES]; WIDTH],
     before: [[f64; LANES]; GUARDS],
     after: [[f64; LANES]; GUARDS],
 }
@@ -291,7 +288,7 @@ struct Field<'a> {
 impl Field<'_> {
     /// Rates in time, the guards, and their rates.
     #[inline(always)]
-    fn look(&self, y: &[Lanes; MOVING]) -> ([Lanes; MOVING], [Lanes; GUARDS], [Lanes; GUARDS]) {
+    fn look(&self, y: &[Lanes; WIDTH]) -> ([Lanes; WIDTH], [Lanes; GUARDS], [Lanes; GUARDS]) {
         let (gas, about) = self.stance.gas(y, self.chamber, &self.valve);
         let force = self
             .stance
@@ -316,7 +313,7 @@ impl Field<'_> {
 
     /// Derivative with respect to each lane's independent variable.
     #[inline(always)]
-    fn scaled(&self, dy: &[Lanes; MOVING], guards: &[Lanes; GUARDS]) -> [Lanes; MOVING] {
+    fn scaled(&self, dy: &[Lanes; WIDTH], guards: &[Lanes; GUARDS]) -> [Lanes; WIDTH] {
         if !self.any_event {
             return *dy;
         }
@@ -329,9 +326,9 @@ impl Field<'_> {
     }
 }
 
-impl Derivative<Lanes, MOVING> for Field<'_> {
+impl Derivative<Lanes, WIDTH> for Field<'_> {
     #[inline(always)]
-    fn at(&self, y: &[Lanes; MOVING]) -> [Lanes; MOVING] {
+    fn at(&self, y: &[Lanes; WIDTH]) -> [Lanes; WIDTH] {
         let (dy, _, guard_rates) = self.look(y);
         self.scaled(&dy, &guard_rates)
     }
@@ -377,7 +374,7 @@ impl<'a> Crew<'a> {
             chamber,
             field,
             jobs: [None; LANES],
-            states: [zero; MOVING],
+            states: [zero; WIDTH],
             end: zero,
             step: zero,
             limit: zero,
@@ -394,8 +391,12 @@ impl<'a> Crew<'a> {
         for lane in 0..LANES {
             self.take(lane, queue.next());
         }
+        // What the field tells of the states, where the last step has told it.
+        let mut known = None;
         while self.jobs.iter().any(Option::is_some) {
-            let (dy, before, rates) = self.field.look(&self.states);
+            let (dy, before, rates) = known
+                .take()
+                .unwrap_or_else(|| self.field.look(&self.states));
             let plan = self.plan(&before, &rates);
             let k0 = self.field.scaled(&dy, &rates);
             let step = dop853::step(
@@ -406,8 +407,12 @@ impl<'a> Crew<'a> {
                 CHECKED,
                 self.one.tolerance,
             );
-            let after = self.field.look(&step.state).1;
-            let usual = self.go_on(&plan, &step, &before, &after);
+            let there = self.field.look(&step.state);
+            let after = there.1;
+            let (usual, moved) = self.go_on(&plan, &step, &before, &after);
+            if moved.all() {
+                known = Some(there);
+            }
             if usual.all() {
                 continue;
             }
@@ -454,7 +459,7 @@ impl<'a> Crew<'a> {
         set(&mut self.patience, i, PATIENCE);
         let mut state = ready.state;
         state[GAS] = self.chamber.variable(piece.flow, p);
-        self.move_to(i, &state[..MOVING]);
+        self.move_to(i, &state);
         self.enter(i, piece);
     }
 
@@ -515,16 +520,16 @@ impl<'a> Crew<'a> {
         plan
     }
 
-    /// Accepts or refuses the ordinary steps that nothing comes of, and says in which lanes; the
-    /// others need a closer look.
+    /// Accepts or refuses the ordinary steps without an event; says in which lanes, and which of these
+    /// were accepted. The other lanes need a closer look.
     #[inline(always)]
     fn go_on(
         &mut self,
         plan: &Plan,
-        step: &Step<Lanes, MOVING>,
+        step: &Step<Lanes, WIDTH>,
         before: &[Lanes; GUARDS],
         after: &[Lanes; GUARDS],
-    ) -> Lanes {
+    ) -> (Lanes, Lanes) {
         let of = Lanes::of;
         let good = step.error.le(of(1.0));
         let mut eventful = plan.last;
@@ -546,13 +551,13 @@ impl<'a> Crew<'a> {
         }
         self.step = usual.choose(plan.length * dop853::step_factor(step.error), self.step);
         self.limit = usual.choose(of(f64::INFINITY), self.limit);
-        usual
+        (usual, moved)
     }
 
     /// Accepts or refuses the unusual step of lane `i`; `Some` where the lane is done with its
     /// jump.
     fn judge(&mut self, i: usize, taken: &Taken) -> Option<Given> {
-        let next: [f64; MOVING] = std::array::from_fn(|k| taken.next[k][i]);
+        let next: [f64; WIDTH] = std::array::from_fn(|k| taken.next[k][i]);
         // A leg that comes to a halt, or too many steps, are for the careful one.
         if self.patience.as_array()[i] <= 0.0 || next[SPEED] <= 0.0 {
             return Some(Given(None));
@@ -599,7 +604,7 @@ impl<'a> Crew<'a> {
     }
 
     /// The event of guard `g` at the state `next` of lane `i`.
-    fn event(&mut self, i: usize, g: usize, next: &[f64; MOVING]) -> Option<Given> {
+    fn event(&mut self, i: usize, g: usize, next: &[f64; WIDTH]) -> Option<Given> {
         self.move_to(i, next);
         let energized = self.end.as_array()[i] < f64::INFINITY;
         match g {

@@ -30,15 +30,11 @@ const MOMENT: f64 = 1e-7;
 const LOOKS: usize = 4;
 
 impl<S: Single> Stance<S> {
-    /// One stance with its contact; every phase is stepped through, closed forms left aside.
-    ///
-    /// Extremes are looked for at the ends of the integration's steps and, by the slopes there,
-    /// between them. Not promised: an extreme that comes and goes within a step, which
-    /// [`Stance::trace`] sees.
-    ///
-    /// # Errors
-    /// As [`Stance::jump`].
-    pub fn contact(&self, launch: &Launch<S>) -> Result<(LiftOff<S>, Contact<S>), StanceError> {
+    /// As [`Stance::contact`], which stands for each kind of number.
+    pub(crate) fn with_contact(
+        &self,
+        launch: &Launch<S>,
+    ) -> Result<(LiftOff<S>, Contact<S>), StanceError> {
         let mut watch = Watch {
             stance: self,
             contact: Contact::none(),
@@ -61,15 +57,14 @@ impl<S: Single> Observer<S> for Watch<'_, S> {
     fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
         self.step(phase, from, to);
     }
-    fn fed(&mut self, phase: &impl Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
+    fn fed(&mut self, phase: &dyn Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
         self.step(phase, from, to);
     }
-    const STEPWISE: bool = true;
 }
 
 impl<S: Single> Watch<'_, S> {
     /// Takes in the step of `phase` between two states. A state inside a step is a shorter step.
-    fn step<const W: usize>(&mut self, phase: &impl Derivative<S, W>, from: &[S; W], to: &[S; W]) {
+    fn step<const W: usize>(&mut self, phase: &dyn Derivative<S, W>, from: &[S; W], to: &[S; W]) {
         let rates = phase.at(from);
         let length = to[TIME] - from[TIME];
         let (first, last) = (
@@ -108,7 +103,7 @@ impl<S: Single> Watch<'_, S> {
     /// The reaction at `y` and a `moment` (s) later.
     fn around<const W: usize>(
         &self,
-        phase: &impl Derivative<S, W>,
+        phase: &dyn Derivative<S, W>,
         y: &[S; W],
         moment: f64,
     ) -> Around<S> {

@@ -20,29 +20,29 @@ use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
 /// The gas in a tank.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TankState<S = f64> {
+pub struct TankState {
     /// Pressure (Pa, absolute), > 0.
-    pub pressure: S,
+    pub pressure: f64,
     /// Temperature (K), > 0.
-    pub temperature: S,
+    pub temperature: f64,
 }
 
 /// What a jump took from the tank, until its valve was shut.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn<S = f64> {
+pub struct Drawn {
     /// The tank after it.
-    pub tank: TankState<S>,
+    pub tank: TankState,
     /// Gas (kg) that left the tank.
-    pub mass: S,
+    pub mass: f64,
     /// Heat (J) from the walls of chamber and tank.
-    pub heat: S,
+    pub heat: f64,
     /// What mass (kg) and energy (J) do not add up to, over tank, tube, chamber and atmosphere, in
     /// parts of all that was in them: round-off, and the errors of the steps.
-    pub residuals: [S; 2],
+    pub residuals: [f64; 2],
 }
 
 /// How a stance ended, and what it took from the tank.
-pub type FromTank<S = f64> = (LiftOff<S>, Drawn<S>);
+pub type FromTank = (LiftOff, Drawn);
 
 /// Most steps of one jump, each of which takes longer than one of a plain leg: an ordinary jump takes a
 /// hundred, one that ends at ambient pressure a thousand.
@@ -68,11 +68,9 @@ impl Stance<f64> {
             temperature: feed.tank_temperature(later),
         })
     }
-}
 
-impl<S: Single> Stance<S> {
     /// The full tank of a robot that carries its gas; none for one that does not.
-    pub fn full_tank(&self) -> Option<TankState<S>> {
+    pub fn full_tank(&self) -> Option<TankState> {
         let feed = self.leg.feed.as_ref()?;
         feed.tank?;
         let full = feed.full();
@@ -92,25 +90,24 @@ impl<S: Single> Stance<S> {
     /// As [`Stance::jump`], and [`StanceError::Input`] for a tank without gas.
     pub fn jump_from(
         &self,
-        launch: &Launch<S>,
-        tank: &TankState<S>,
-    ) -> Result<Option<FromTank<S>>, StanceError> {
+        launch: &Launch,
+        tank: &TankState,
+    ) -> Result<Option<FromTank>, StanceError> {
         let feed = self.leg.feed.as_ref().filter(|feed| feed.tank.is_some());
         feed.map(|feed| self.draw(feed, launch, tank)).transpose()
     }
 
     fn draw(
         &self,
-        feed: &Feed<S>,
-        launch: &Launch<S>,
-        tank: &TankState<S>,
-    ) -> Result<FromTank<S>, StanceError> {
+        feed: &Feed<f64>,
+        launch: &Launch,
+        tank: &TankState,
+    ) -> Result<FromTank, StanceError> {
         stance::check(launch)?;
-        for (name, x) in [
+        for (name, value) in [
             ("pressure of the tank (Pa)", tank.pressure),
             ("temperature of the tank (K)", tank.temperature),
         ] {
-            let value = x.value();
             if !(value > 0.0 && value.is_finite()) {
                 let allowed = "a finite number > 0";
                 return Err(StanceError::Input {
@@ -128,8 +125,8 @@ impl<S: Single> Stance<S> {
         let after = tank_of(feed, y);
         let (held, vented) = (gas_of(feed, y), [y[VENTED], y[VENTED_HEAT]]);
         let first = gas_of(feed, &before);
-        let energy = |gas: Gas<S>, d: S, tank: Gas<S>| {
-            let volume = feed.tank.map_or(S::of(1.0), |tank| tank.volume);
+        let energy = |gas: Gas<f64>, d: f64, tank: Gas<f64>| {
+            let volume = feed.tank.map_or(1.0, |tank| tank.volume);
             feed.energy(gas.pressure, feed.volume_at(d, gas.pressure))
                 + feed.energy(tank.pressure, volume)
         };
@@ -153,6 +150,58 @@ impl<S: Single> Stance<S> {
         ))
     }
 
+    /// The gas after the end of a stance until the valve is shut, with the leg as it is.
+    fn shut(&self, feed: &Feed<f64>, course: &mut Course<f64>) -> Result<(), StanceError> {
+        let Some(close) = course.close else {
+            return Ok(());
+        };
+        let mut pace = Pace {
+            step: FIRST_STEP,
+            tolerance: self.tolerance,
+            steps: 0,
+            most: MOST_STEPS,
+        };
+        let slow = SHUT * feed.spool_time();
+        let mut go = |course: &mut Course<f64>, until: f64| {
+            let aloft = Fed {
+                part: Part::Aloft,
+                spool: course.spool,
+                flows: true,
+                port_open: self.port().is_some_and(|port| port <= course.y[EXTENSION]),
+                ..Fed::at_rest(self, feed, None)
+            };
+            let event = advance(
+                &aloft,
+                &mut course.y,
+                Some(until),
+                &mut pace,
+                &mut |_, _| (),
+            );
+            event.map_err(|error| match error {
+                StanceError::StepTooSmall { .. } | StanceError::TooManySteps { .. } => {
+                    StanceError::Input {
+                        name: "time (s) after touch-down at which the valve is shut",
+                        value: until,
+                        allowed: "earlier: tank and chamber are even long before, and what flows to \
+                                  and fro then is too stiff to integrate",
+                    }
+                }
+                other => other,
+            })
+        };
+        if course.spool.open {
+            go(course, close)?;
+            course.spool = course.spool.closing(feed, close);
+        }
+        if slow > 0.0 && course.spool.from > 0.0 {
+            let until = course.spool.since + slow;
+            go(course, until)?;
+        }
+        Ok(())
+    }
+}
+
+impl<S: Single> Stance<S> {
     fn start_fed(feed: &Feed<S>, launch: &Launch<S>, tank: Gas<S>) -> Wide<S> {
         let mut y = [S::of(0.0); WIDE];
         let ([line, store], mega) = (feed.mass_units(), S::of(1.0 / MEGA));
@@ -169,7 +218,7 @@ impl<S: Single> Stance<S> {
         feed: &Feed<S>,
         launch: &Launch<S>,
         tank: Gas<S>,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<(LiftOff<S>, Course<S>), StanceError> {
         let start = Self::start_fed(feed, launch, tank);
         let mut pace = Pace {
@@ -217,7 +266,7 @@ impl<S: Single> Stance<S> {
         launch: &Launch<S>,
         (mut y, early): (Wide<S>, Option<f64>),
         pace: &mut Pace,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<Next<S, WIDE>, StanceError> {
         let (from, to) = (launch.lean, launch.firing_angle);
         if early.is_some_and(|early| early <= from.value()) {
@@ -251,7 +300,7 @@ impl<S: Single> Stance<S> {
         (mut y, early): (Wide<S>, Option<f64>),
         [open, close]: [S; 2],
         pace: &mut Pace,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<(Next<S, WIDE>, Spool<S>), StanceError> {
         let waiting = Fed::at_rest(self, feed, early);
         let event = advance(&waiting, &mut y, Some(open), pace, &mut |a, b| {
@@ -305,7 +354,7 @@ impl<S: Single> Stance<S> {
         feed: &Feed<S>,
         course: &mut Course<S>,
         pace: &mut Pace,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<Outcome, StanceError> {
         let mut passed = S::of(0.0);
         for _ in 0..MOST_PIECES {
@@ -348,58 +397,6 @@ impl<S: Single> Stance<S> {
         Err(StanceError::TooLong {
             time: course.y[TIME].value(),
         })
-    }
-
-    /// The gas after the end of a stance until the valve is shut, with the leg as it is.
-    fn shut(&self, feed: &Feed<S>, course: &mut Course<S>) -> Result<(), StanceError> {
-        let Some(close) = course.close else {
-            return Ok(());
-        };
-        let mut pace = Pace {
-            step: FIRST_STEP,
-            tolerance: self.tolerance,
-            steps: 0,
-            most: MOST_STEPS,
-        };
-        let slow = S::of(SHUT) * feed.spool_time();
-        let mut go = |course: &mut Course<S>, until: S| {
-            let aloft = Fed {
-                part: Part::Aloft,
-                spool: course.spool,
-                flows: true,
-                port_open: self
-                    .port()
-                    .is_some_and(|port| port.value() <= course.y[EXTENSION].value()),
-                ..Fed::at_rest(self, feed, None)
-            };
-            let event = advance(
-                &aloft,
-                &mut course.y,
-                Some(until),
-                &mut pace,
-                &mut |_, _| (),
-            );
-            event.map_err(|error| match error {
-                StanceError::StepTooSmall { .. } | StanceError::TooManySteps { .. } => {
-                    StanceError::Input {
-                        name: "time (s) after touch-down at which the valve is shut",
-                        value: until.value(),
-                        allowed: "earlier: tank and chamber are even long before, and what flows to \
-                                  and fro then is too stiff to integrate",
-                    }
-                }
-                other => other,
-            })
-        };
-        if course.spool.open {
-            go(course, close)?;
-            course.spool = course.spool.closing(feed, close);
-        }
-        if slow.value() > 0.0 && course.spool.from.value() > 0.0 {
-            let until = course.spool.since + slow;
-            go(course, until)?;
-        }
-        Ok(())
     }
 }
 

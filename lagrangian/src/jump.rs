@@ -5,31 +5,16 @@ use saltus_pneumatics::{Chamber, Drive, Flow, MEGA, Piece, Switches};
 
 use crate::advance::index::{GAS, LEAN, RATE, SPEED, TIME};
 use crate::advance::{MOST_STEPS, Pace, State, WIDTH, advance};
-use crate::observer::{FIRST_STEP, MOST_PIECES, Next, Observer, Unobserved, ended};
+use crate::observer::{FIRST_STEP, MOST_PIECES, Next, Observer, ended};
 use crate::phase::{Extension, Held};
 use crate::stance;
 use crate::{Launch, LiftOff, Outcome, Stance, StanceError};
 
 impl<S: Single> Stance<S> {
-    /// One stance, from `launch` to its end.
-    ///
-    /// Pivoting and filling go by closed forms where these are exact to round-off, the extension by
-    /// an eighth-order method with events on its steps.
-    ///
-    /// Source: thesis §5.2, docs/model.md, "One jump, phase by phase".
-    ///
-    /// # Errors
-    /// [`StanceError::Input`] for an input outside its domain; [`StanceError::StepTooSmall`],
-    /// [`StanceError::TooManySteps`] or [`StanceError::TooLong`] where the leg's parameters allow
-    /// no solution.
-    pub fn jump(&self, launch: &Launch<S>) -> Result<LiftOff<S>, StanceError> {
-        self.run(launch, &mut Unobserved)
-    }
-
     pub(crate) fn run(
         &self,
         launch: &Launch<S>,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<LiftOff<S>, StanceError> {
         stance::check(launch)?;
         if let Some(feed) = &self.leg.feed {
@@ -69,13 +54,13 @@ impl<S: Single> Stance<S> {
     }
 
     /// Phase 1: the robot pivots on the retracted leg until it reaches the firing angle.
-    fn pivot<O: Observer<S>>(
+    fn pivot(
         &self,
         launch: &Launch<S>,
         mut y: State<S>,
         early: Option<f64>,
         pace: &mut Pace,
-        observer: &mut O,
+        observer: &mut dyn Observer<S>,
     ) -> Result<Next<S>, StanceError> {
         let (from, to) = (launch.lean, launch.firing_angle);
         if early.is_some_and(|early| early <= from.value()) {
@@ -88,7 +73,7 @@ impl<S: Single> Stance<S> {
             return Ok(Next::End(Outcome::Stall, y));
         }
         let invariant = self.pendulum.invariant(from, launch.rate);
-        if !O::STEPWISE
+        if !observer.is_stepwise()
             && early.is_none_or(|early| early > to.value())
             && let Some(time) = self.pendulum.time(invariant, from, to)
         {
@@ -114,16 +99,16 @@ impl<S: Single> Stance<S> {
     }
 
     /// Phases 2 and 3: the valve's delay, then filling until the leg breaks away.
-    fn fill<O: Observer<S>>(
+    fn fill(
         &self,
         mut y: State<S>,
         open: S,
         close: Option<S>,
         early: Option<f64>,
         pace: &mut Pace,
-        observer: &mut O,
+        observer: &mut dyn Observer<S>,
     ) -> Result<Next<S>, StanceError> {
-        if !O::STEPWISE
+        if !observer.is_stepwise()
             && let Some(freed) = self.break_away_by_series(&y, close, early)
         {
             return Ok(Next::On(freed));
@@ -231,7 +216,7 @@ impl<S: Single> Stance<S> {
         mut y: State<S>,
         close: Option<S>,
         pace: &mut Pace,
-        observer: &mut impl Observer<S>,
+        observer: &mut dyn Observer<S>,
     ) -> Result<(Outcome, State<S>), StanceError> {
         let mut energized = true;
         let mut passed = S::of(0.0);

@@ -21,6 +21,7 @@ mod contact;
 mod error;
 mod fed;
 mod jump;
+mod numbers;
 mod observer;
 mod pendulum;
 mod phase;

@@ -56,9 +56,11 @@ pub(crate) trait Observer<S: Single> {
     /// A step in the extension.
     fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>);
     /// A step of a stance with the gas of a tank.
-    fn fed(&mut self, phase: &impl Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>);
+    fn fed(&mut self, phase: &dyn Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>);
     /// Whether every part must be stepped through, closed forms left aside.
-    const STEPWISE: bool;
+    fn is_stepwise(&self) -> bool {
+        true
+    }
 }
 
 /// Watches nothing.
@@ -66,8 +68,9 @@ pub(crate) struct Unobserved;
 
 impl<S: Single> Observer<S> for Unobserved {
     fn held(&mut self, _: &Held<'_, S>, _: &State<S>, _: &State<S>) {}
-    #[inline(always)]
     fn extension(&mut self, _: &Extension<'_, S>, _: &State<S>, _: &State<S>) {}
-    fn fed(&mut self, _: &impl Drives<S, WIDE>, _: &Wide<S>, _: &Wide<S>) {}
-    const STEPWISE: bool = false;
+    fn fed(&mut self, _: &dyn Drives<S, WIDE>, _: &Wide<S>, _: &Wide<S>) {}
+    fn is_stepwise(&self) -> bool {
+        false
+    }
 }

@@ -5,7 +5,7 @@ use saltus_numeric::{Single, dop853};
 
 use crate::advance::index::{EXTENSION, LEAN, RATE, SPEED, TIME};
 use crate::advance::{CHECKED, State, WIDE, WIDTH, Wide};
-use crate::observer::Observer;
+use crate::observer::{Observer, Unobserved};
 use crate::phase::{Drives, Extension, Held};
 use crate::{Contact, Launch, LiftOff, Reaction, Stance, StanceError};
 
@@ -78,14 +78,10 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl<S: Single> Stance<S> {
-    /// One stance with its course, contact and energy; every phase is stepped through, closed forms
-    /// left aside.
-    ///
-    /// # Errors
-    /// As [`Stance::jump`].
-    pub fn trace(&self, launch: &Launch<S>) -> Result<Trace<S>, StanceError> {
+    /// As [`Stance::trace`], which stands for each kind of number.
+    pub(crate) fn recorded(&self, launch: &Launch<S>) -> Result<Trace<S>, StanceError> {
         // What cannot be integrated says so sooner without a record of each of its many steps.
-        self.jump(launch)?;
+        self.run(launch, &mut Unobserved)?;
         let mut recorder = Recorder::new(self);
         let lift_off = self.run(launch, &mut recorder)?;
         Ok(recorder.finish(lift_off))
@@ -109,10 +105,9 @@ impl<S: Single> Observer<S> for Recorder<'_, S> {
     fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
         self.step(phase, from, to);
     }
-    fn fed(&mut self, phase: &impl Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
+    fn fed(&mut self, phase: &dyn Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
         self.step(phase, from, to);
     }
-    const STEPWISE: bool = true;
 }
 
 /// The part of a state that all have.
@@ -137,7 +132,7 @@ impl<'a, S: Single> Recorder<'a, S> {
     }
 
     /// Takes in the step of `phase` between two states. A state inside a step is a shorter step.
-    fn step<const W: usize>(&mut self, phase: &impl Drives<S, W>, from: &[S; W], to: &[S; W]) {
+    fn step<const W: usize>(&mut self, phase: &dyn Drives<S, W>, from: &[S; W], to: &[S; W]) {
         self.first.get_or_insert(common(from));
         self.last = Some(common(to));
         let start = phase.at(from);
@@ -214,7 +209,7 @@ impl<'a, S: Single> Recorder<'a, S> {
 }
 
 impl<S: Single> Stance<S> {
-    fn sample<const W: usize>(&self, phase: &impl Drives<S, W>, y: &[S; W]) -> Sample<S> {
+    fn sample<const W: usize>(&self, phase: &dyn Drives<S, W>, y: &[S; W]) -> Sample<S> {
         Sample {
             time: y[TIME],
             lean: y[LEAN],

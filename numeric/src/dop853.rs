@@ -4,6 +4,8 @@
 //! Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., §II.5 and
 //! its program `dop853`.
 
+use std::borrow::Borrow;
+
 use crate::scalar::Scalar;
 
 /// Stages of a step.
@@ -247,13 +249,20 @@ impl<S, const N: usize, F: Fn(&[S; N]) -> [S; N]> Derivative<S, N> for F {
 /// Not promised: that a step which the estimate accepts contains no kink.
 #[inline(always)]
 pub fn step<S: Scalar, const N: usize>(
-    f: &impl Derivative<S, N>,
+    f: &(impl Derivative<S, N> + ?Sized),
     y: &[S; N],
     k0: &[S; N],
     h: S,
     checked: usize,
     tolerance: f64,
 ) -> Step<S, N> {
+    if S::IS_WIDE {
+        let mut k = [*k0; STAGES];
+        for n in 1..STAGES {
+            k[n] = f.at(&along(y, h, &weighted(&A[n], &k[..n])));
+        }
+        return finished(&k.each_ref(), y, h, checked, tolerance);
+    }
     // Written out, so that each stage's weights are constants, the zeros among them cost nothing,
     // and no stage is copied.
     macro_rules! stages {
@@ -276,9 +285,21 @@ pub fn step<S: Scalar, const N: usize>(
         11: k11 from k0 k1 k2 k3 k4 k5 k6 k7 k8 k9 k10;
     }
     let k = [k0, k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11];
-    let state = along(y, h, &weighted(&B, &k));
+    finished(&k, y, h, checked, tolerance)
+}
+
+/// The step of length `h` from `y` with the stages `k`.
+#[inline(always)]
+fn finished<S: Scalar, const N: usize>(
+    k: &[&[S; N]; STAGES],
+    y: &[S; N],
+    h: S,
+    checked: usize,
+    tolerance: f64,
+) -> Step<S, N> {
+    let state = along(y, h, &weighted(&B, k));
     Step {
-        error: error(&k, y, &state, h.value(), checked, tolerance),
+        error: error(k, y, &state, h.value(), checked, tolerance),
         state,
     }
 }
@@ -293,19 +314,19 @@ fn along<S: Scalar, const N: usize>(y: &[S; N], h: S, k: &[S; N]) -> [S; N] {
     z
 }
 
-/// Σ weights[j] k[j] over the first `M` stages, in two chains so that they overlap.
+/// Σ weights[j] k[j] over the stages in `k`, in two chains so that they overlap.
 #[inline(always)]
-fn weighted<S: Scalar, const N: usize, const M: usize>(
+fn weighted<S: Scalar, const N: usize>(
     weights: &[f64; STAGES],
-    k: &[&[S; N]; M],
+    k: &[impl Borrow<[S; N]>],
 ) -> [S; N] {
     let mut sums = [[S::of(0.0); N]; 2];
-    for j in 0..M {
+    for j in 0..k.len() {
         if weights[j] != 0.0 {
             let w = S::of(weights[j]);
             let sum = &mut sums[j % 2];
             for i in 0..N {
-                sum[i] = k[j][i].mul_add(w, sum[i]);
+                sum[i] = k[j].borrow()[i].mul_add(w, sum[i]);
             }
         }
     }

@@ -112,6 +112,7 @@ impl<const N: usize> Neg for Dual<N> {
 impl<const N: usize> Scalar for Dual<N> {
     type Value = f64;
     type Mask = bool;
+    const IS_WIDE: bool = true;
 
     #[inline(always)]
     fn of(x: f64) -> Self {

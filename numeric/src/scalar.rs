@@ -24,6 +24,10 @@ pub trait Scalar:
     /// A yes or no for each lane.
     type Mask: Copy + Debug;
 
+    /// Whether one number is so much code that sums of many are better a loop than written out: to
+    /// compile duals written out takes ten times as long, and the code outgrows the cache.
+    const IS_WIDE: bool = false;
+
     /// The constant `x`.
     fn of(x: f64) -> Self;
     /// The number without its derivatives.

@@ -43,20 +43,22 @@ impl Width {
     /// Whether a multiply-add is one instruction. Where it is a call, lanes cost more than jumps
     /// one by one.
     pub fn fuses(self) -> bool {
-        const ALWAYS: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
-        ALWAYS || self > Width::Base
+        FUSES_EVERYWHERE || self > Width::Base
     }
 
-    /// Does `work` with all that is inlined into it compiled for this width, or for the base where
-    /// the processor has it not.
+    /// What `work` gives, compiled with all that is inlined into it for this width; none where a
+    /// multiply-add is a call on this processor, so that no code is made for it.
     #[inline(always)]
-    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+    pub fn run_fused<R>(self, work: impl FnOnce() -> R) -> Option<R> {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         match (self, Level::new().as_avx2(), Level::new().as_avx512()) {
-            (Width::Avx512, _, Some(simd)) => return simd.vectorize(work),
-            (Width::Avx2, Some(simd), _) => return simd.vectorize(work),
+            (Width::Avx512, _, Some(simd)) => return Some(simd.vectorize(work)),
+            (Width::Avx2, Some(simd), _) => return Some(simd.vectorize(work)),
             _ => {}
         }
-        work()
+        if FUSES_EVERYWHERE { Some(work()) } else { None }
     }
 }
+
+/// Whether every processor of the target has fused multiply-add.
+const FUSES_EVERYWHERE: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));

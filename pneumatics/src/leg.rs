@@ -36,6 +36,8 @@ pub struct Leg<S> {
     spring: Option<(S, S)>,
     /// End-stop cushion.
     cushion: Option<Cushion<S>>,
+    /// See [`Leg::is_plain`].
+    plain: bool,
 }
 
 /// End-stop cushion: where it begins (m), its stiffness (N/m) and damping (N s/m).
@@ -91,13 +93,15 @@ impl<S: Scalar> Leg<S> {
         let stroke = lift(Term::Stroke, leg.stroke);
         let travel = travel_time(robot, lift);
         let after_travel = |delay: S| travel.map_or(delay, |travel| delay + travel);
+        let feed = leg.cylinder().and_then(|c| Feed::new(robot, c, lift));
         Leg {
+            plain: feed.is_none() && is_plain(robot),
             stroke,
             delay: after_travel(lift(Term::Delay, leg.delay)),
             closing_delay: leg
                 .closing_delay
                 .map(|delay| after_travel(lift(Term::ClosingDelay, delay))),
-            feed: leg.cylinder().and_then(|c| Feed::new(robot, c, lift)),
+            feed,
             least_pulse: lift(Term::LeastPulse, leg.least_pulse),
             drive: match &leg.drive {
                 Kind::Pneumatic(c) => match Contractor::new(robot, c, lift) {
@@ -168,6 +172,12 @@ impl<S: Scalar> Leg<S> {
         (begins, self.has_valve().then(ends))
     }
 
+    /// Whether the leg is a pneumatic one without optional terms, so that its force is
+    /// [`plain_force`](Self::plain_force).
+    pub fn is_plain(&self) -> bool {
+        self.plain
+    }
+
     /// The chamber, if the leg is pneumatic.
     #[inline(always)]
     pub fn chamber(&self) -> Option<&Chamber<S>> {
@@ -202,6 +212,46 @@ impl<S: Scalar> Leg<S> {
     }
 }
 
+/// Terms of a leg that a plain one may have: those of [`Leg::plain_force`], of [`Leg::answers`] and of the
+/// valve's law in the chamber, and those that no stance in the plane contains.
+const PLAIN: [Term; 20] = [
+    Term::Stroke,
+    Term::Delay,
+    Term::ClosingDelay,
+    Term::LeastPulse,
+    Term::ViscousFriction,
+    Term::CoulombFriction,
+    Term::HeatRatio,
+    Term::GasConstant,
+    Term::Bore,
+    Term::DeadVolume,
+    Term::Supply,
+    Term::DischargeCoefficient,
+    Term::OrificeRadius,
+    Term::Temperature,
+    Term::PolytropicExponent,
+    Term::RodLength,
+    Term::RodRadius,
+    Term::LegCenter,
+    Term::LegMass,
+    Term::PickedUp,
+];
+
+/// Whether the leg of `robot` is a piston all of whose terms but those of [`PLAIN`] are off. A term that
+/// is new is none of these.
+fn is_plain(robot: &Robot) -> bool {
+    let is_off = |term: &Term| match term.of(robot) {
+        None => true,
+        Some(value) => term.off(robot) == Some(value),
+    };
+    let of_the_leg = |term: &&Term| term.spec().section().starts_with("leg");
+    let mut others = Term::ALL
+        .iter()
+        .filter(of_the_leg)
+        .filter(|term| !PLAIN.contains(term));
+    robot.leg.cylinder().is_some_and(|c| c.muscle.is_none()) && others.all(is_off)
+}
+
 /// Time (s) that a pressure wave takes through the tube of the leg of `robot`: its length over
 /// √(κ R T); none without a tube.
 fn travel_time<S: Scalar>(robot: &Robot, lift: impl Fn(Term, f64) -> S) -> Option<S> {
@@ -213,15 +263,6 @@ fn travel_time<S: Scalar>(robot: &Robot, lift: impl Fn(Term, f64) -> S) -> Optio
 }
 
 impl<S: Single> Leg<S> {
-    /// Whether the leg is a pneumatic one with none of the optional terms.
-    pub fn is_plain(&self) -> bool {
-        self.chamber().is_some_and(|c| !c.has_extras())
-            && self.feed.is_none()
-            && self.spring.is_none()
-            && self.cushion.is_none()
-            && self.seal.value() == 0.0
-    }
-
     /// The extension (m) at which the cushion begins.
     pub fn cushion_start(&self) -> Option<S> {
         self.cushion.map(|c| c.start)

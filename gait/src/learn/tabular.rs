@@ -226,15 +226,17 @@ impl Tabular {
             }
             return;
         }
+        // Watkins: what follows an action that is not greedy says nothing of the best policy. Greedy by
+        // the table before this step, as in the thesis (6.2.5).
+        let is_greedy = |(states, action): (&[usize], usize)| {
+            self.value(states, action) >= self.greatest(states)
+        };
+        let is_cut = self.algorithm == Algorithm::QLambda && !seen.next.is_some_and(is_greedy);
         for state in seen.states {
             self.visit(state * self.actions + seen.action);
         }
         self.credit(step);
-        // Watkins: what follows an action that is not greedy says nothing of the best policy.
-        let is_greedy = |(states, action): (&[usize], usize)| {
-            self.value(states, action) >= self.greatest(states)
-        };
-        if self.algorithm == Algorithm::QLambda && !seen.next.is_some_and(is_greedy) {
+        if is_cut {
             self.begin();
         }
     }

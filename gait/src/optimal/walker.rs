@@ -86,7 +86,7 @@ impl Way {
         let q = self.surroundings.rig.rest(0)?;
         let v = vec![0.0; self.surroundings.rig.mechanism.tree.velocities()];
         let stepping = self.setup.stepping;
-        let random = Pcg64::new(u128::from(self.setup.seed), 0x5a17);
+        let random = Pcg64::new(u128::from(self.setup.seed), 0x0971);
         let mut world = World::new(&self.surroundings, self.sensors, stepping, (&q, &v), random)?;
         let gait = self.gait();
         let (rear, wheel) = find_stand(&self.setup, &mut world, &gait)?;

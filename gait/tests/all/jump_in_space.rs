@@ -353,6 +353,18 @@ fn what_is_no_jump_is_refused() -> Result<(), GaitError> {
     says(Stance::new(&planar).expect_err("refused"), "body.shape");
     let slope = twelve(&["ground.slope_deg=5"]);
     says(Stance::new(&slope).expect_err("refused"), "slope");
+    // Terms of a leg that the model of this stance lacks.
+    let pulse = twelve(&["leg.least_pulse_ms=5"]);
+    says(Stance::new(&pulse).expect_err("refused"), "leg.least_pulse");
+    let cushion = twelve(&[
+        "leg.cushion.length_mm=5",
+        "leg.cushion.stiffness_n_per_m=1e4",
+        "leg.cushion.damping_n_s_per_m=10",
+    ]);
+    says(
+        Stance::new(&cushion).expect_err("refused"),
+        "leg.cushion.length",
+    );
     let obstacle = |front: f64, height: f64| Obstacle {
         front,
         length: 0.2,

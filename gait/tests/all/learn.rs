@@ -374,14 +374,15 @@ fn traces_that_are_listed_give_the_values_of_a_full_table() -> Result<(), GaitEr
                     Traces::Accumulating => trace[state][action] + 1.0,
                     Traces::Replacing => 1.0,
                 };
+                // Q_{t-1}, the table before the update, says whether the next action is greedy.
+                let goes_on = next.is_some_and(|(s, a)| {
+                    algorithm == Algorithm::SarsaLambda || dense[s][a] >= best(&dense[s])
+                });
                 for (row, e) in dense.iter_mut().zip(&trace) {
                     for (value, e) in row.iter_mut().zip(e) {
                         *value += 0.3 * delta * e;
                     }
                 }
-                let goes_on = next.is_some_and(|(s, a)| {
-                    algorithm == Algorithm::SarsaLambda || dense[s][a] >= best(&dense[s])
-                });
                 let fade = if goes_on { 0.9 * 0.8 } else { 0.0 };
                 trace.iter_mut().flatten().for_each(|e| *e *= fade);
                 if next.is_none() {

@@ -7,7 +7,7 @@ use super::sqp::{self, Evaluation, Nlp};
 use super::{Flight, Jumper, Leap, Limit, Margin, Side, Span};
 
 /// Where each jump of a course is to take off and to land.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Choice {
     /// Jump after jump.
     pub(super) leaps: Vec<Leap>,

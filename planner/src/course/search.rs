@@ -166,6 +166,7 @@ pub fn plan_watched(
         tries: 0,
         open: BinaryHeap::new(),
         cheapest_way: None,
+        first: None,
     };
     let End { bound, complete } = search.run();
     if search.best.is_none() && complete {
@@ -328,6 +329,17 @@ struct Search<'a> {
     open: BinaryHeap<Open>,
     /// Cost of the cheapest way over the whole lattice; none if there is none.
     cheapest_way: Option<f64>,
+    /// What was solved first of all, from that way.
+    first: Option<First>,
+}
+
+/// A program that is solved before the search begins: a node with the same grounds mostly starts from
+/// the same decisions.
+struct First {
+    choice: usize,
+    decisions: Vec<f64>,
+    /// Whether a plan was found.
+    found: bool,
 }
 
 impl Search<'_> {
@@ -337,11 +349,13 @@ impl Search<'_> {
             if let Some(way) = self.way(&self.sequences.places()) {
                 self.cheapest_way = Some(way.cost);
                 self.choices.push(self.sequences.choice(&way.grounds));
-                self.solve(
-                    self.choices.len() - 1,
-                    &way.decisions,
-                    &self.settings.solver,
-                );
+                let choice = self.choices.len() - 1;
+                let found = self.solve(choice, &way.decisions, &self.settings.solver);
+                self.first = Some(First {
+                    choice,
+                    decisions: way.decisions,
+                    found,
+                });
             }
             self.push(start.bound, Part::Prefix(start));
         }
@@ -505,12 +519,21 @@ impl Search<'_> {
         } else {
             let mut starts = self.starts(node, trial);
             while let Some(start) = starts.pop() {
-                let found = self.solve(node.choice, &start, &self.settings.solver);
+                let found = self
+                    .solved_first(node.choice, &start)
+                    .unwrap_or_else(|| self.solve(node.choice, &start, &self.settings.solver));
                 if found && (self.cheapest_way.is_some() || self.course.jumps > THOROUGH) {
                     break;
                 }
             }
         }
+    }
+
+    /// Whether the program of a choice gave a plan from `decisions`, if that is what was solved first.
+    fn solved_first(&self, choice: usize, decisions: &[f64]) -> Option<bool> {
+        let first = self.first.as_ref()?;
+        (first.decisions == decisions && self.choices[first.choice] == self.choices[choice])
+            .then_some(first.found)
     }
 
     /// Looks for a local optimum of a choice; whether it finds a plan.

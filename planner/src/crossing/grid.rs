@@ -6,7 +6,7 @@
 //! lets it land where it should; it costs at least what its shortest valve time does. What the
 //! samples cannot see, a change within a cell that no corner shows, the bound cannot see either.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
 use saltus_ballistic::{Flight, Trajectory};
@@ -36,8 +36,9 @@ pub(super) struct Grid<M: JumpModel> {
     angles: Vec<f64>,
     /// For each valve time its jumps over the firing angles; none where a jump cannot be computed.
     jumps: Vec<Vec<Option<Flown<M>>>>,
-    /// Standard deviation (m) of the landing at each firing angle, for the middle valve time.
-    deviations: Vec<f64>,
+    /// Standard deviation (m) of the landing at each firing angle, for the middle valve time: worked
+    /// out where a sketch asks for it.
+    deviations: Vec<OnceCell<f64>>,
     /// For landing heights (m) that were asked for, the distances (m) of the jumps; NaN where they
     /// do not land.
     distances: RefCell<Vec<(f64, Rc<Distances>)>>,
@@ -90,21 +91,11 @@ impl<M: JumpModel> Grid<M> {
             .map(|i| spread(crossing.firing_angles, i, ANGLES))
             .collect();
         let jumps = times.iter().map(row).collect();
-        let radius = planner.robot().body.radius;
-        let deviation = |&angle: &f64| {
-            let launch = crossing.launch(jump, [angle, times[count / 2]]);
-            if crossing.sigmas > 0.0 {
-                planner.landing_deviation(&launch, radius)
-            } else {
-                0.0
-            }
-        };
-        let deviations = angles.iter().map(deviation).collect();
         Grid {
             times,
             angles,
             jumps,
-            deviations,
+            deviations: vec![OnceCell::new(); ANGLES],
             distances: RefCell::default(),
         }
     }
@@ -138,14 +129,19 @@ impl<M: JumpModel> Grid<M> {
 
     /// The sampled jump of the shortest valve time that goes over `leap` from `foot` to `landing`
     /// (m), between two firing angles; its valve time, with its deviation. `height` and `rim` (m)
-    /// are those of [`Within`].
+    /// are those of [`Within`]; `deviation` gives the standard deviation (m) of the landing with a
+    /// firing angle and a valve time.
     pub(super) fn sketch(
         &self,
         leap: &Leap,
         [foot, landing]: [f64; 2],
         height: f64,
         rim: f64,
+        deviation: impl Fn([f64; 2]) -> f64,
     ) -> Option<([f64; 2], f64)> {
+        let middle = self.times[self.times.len() / 2];
+        let deviation_at =
+            |i: usize| *self.deviations[i].get_or_init(|| deviation([self.angles[i], middle]));
         let wanted = landing - foot;
         for ((time, row), distances) in self
             .times
@@ -172,10 +168,7 @@ impl<M: JumpModel> Grid<M> {
                     };
                     if clears(&flight, leap, foot, height, rim) {
                         let angle = mix(self.angles[i - 1], self.angles[i]);
-                        return Some((
-                            [angle, *time],
-                            mix(self.deviations[i - 1], self.deviations[i]),
-                        ));
+                        return Some(([angle, *time], mix(deviation_at(i - 1), deviation_at(i))));
                     }
                 }
             }

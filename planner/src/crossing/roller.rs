@@ -410,8 +410,17 @@ impl<M: JumpModel> Jumper for Roller<'_, M> {
     fn sketch(&self, leap: &Leap, foot: f64, landing: f64) -> Option<Sketch> {
         let rim = self.planner.robot().body.radius + self.crossing.clearance - leap.from;
         let grid = self.grids.get(leap.jump)?;
-        let (decisions, deviation) =
-            grid.sketch(leap, [foot, landing], self.landing_height(leap), rim)?;
+        let spread = |decisions| {
+            if self.crossing.sigmas > 0.0 {
+                let launch = self.crossing.launch(leap.jump, decisions);
+                self.planner
+                    .landing_deviation(&launch, self.planner.robot().body.radius)
+            } else {
+                0.0
+            }
+        };
+        let height = self.landing_height(leap);
+        let (decisions, deviation) = grid.sketch(leap, [foot, landing], height, rim, spread)?;
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let off = if is_last {
             landing - self.crossing.target

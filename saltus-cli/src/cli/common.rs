@@ -374,10 +374,16 @@ impl OutputFlags {
         Err(CliError::flag("--out", out.display(), allowed))
     }
 
-    /// Refuses files in folders that are not there, before long work.
+    /// Refuses a report and a plot that cannot be written, before long work.
     pub(crate) fn ready(&self, plot: &PlotOption) -> Result<(), CliError> {
-        let plot = plot.plot.as_ref().map(PlotFile::path);
-        self.out().into_iter().chain(plot).try_for_each(reachable)
+        self.report_ready()?;
+        plot.path().map_or(Ok(()), reachable)
+    }
+
+    /// Refuses a report that cannot be written, before long work.
+    pub(crate) fn report_ready(&self) -> Result<(), CliError> {
+        let file = self.out().filter(|out| *out != Path::new("-"));
+        file.map_or(Ok(()), reachable)
     }
 
     /// Writes the report alone.

@@ -14,7 +14,7 @@ use super::Status;
 use super::common::{OutputFlags, read_folders, robot};
 use super::diagnose::words;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits};
+use crate::output::{self, Files, Format, digits, reachable};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
@@ -89,6 +89,8 @@ struct Report<'a> {
 impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
+        self.output.report_ready()?;
+        self.robot_out.as_deref().map_or(Ok(()), reachable)?;
         let mut folder = read_folders(&self.folders)?;
         let misstated = disbelieve(&mut folder.experiment);
         folder.notes.extend(misstated.iter().map(words::misstated));

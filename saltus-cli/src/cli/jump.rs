@@ -134,6 +134,14 @@ distance on, at which lean and for how long is sought for --sought-on robots [de
 two minutes. With --onto they jump onto the box, of at least 2.48 m for rats-twelve, and go on upon it. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
 by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
 
+JSON: {\"command\": \"jump\", \"robot\", \"seed\", \"robots\", \"obstacle\": {\"height_m\", \"length_m\", \"front_m\" or \"fronts_m\"}, \"cleared\" (robots), \"cleared_share\", \
+\"cleared_share_95\" (interval), \"clearance_m\": {\"5_percent\", \"median\", \"over_the_box\"}}. With one FRONT also \"first\": [{\"firing_angle_rad\", \"valve_open_s\"}] of \
+the legs that accelerate, and \"jump\": {\"slope_s\" (A), \"level_rad\" (B), \"valve_open_s\"}; with FROM:TO \"room_m\", \"runs\", \"nearer_height_m\" and \"run_on\" (robots).
+
+JSON of a jump from rest: {\"rest\", \"feet\", \"target_m\", \"aim_m\" (of the search), \"is_reached\", \"firings\": [{\"leg\", \"at_s\", \"valve_open_s\"}], \"apex_m\", \"clearance_m\", \
+\"modelled_m\", \"landed_m\", \"in_the_end_m\" (places: of the model of the stance, of the simulation, where the robot rests), \"landed_s\", \"miss_m\", \
+\"speed_in_the_end_m_s\", \"mean_off_m\", \"within_10_cm\" and \"stay_on_the_box\": {\"count\", \"of\", \"share\", \"interval_95\"}}.
+
 The answer does not depend on --threads.";
 
 /// What is sought without flags.
@@ -154,6 +162,7 @@ struct Answer<'a> {
 impl Jump {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
+        self.output.ready(&self.plot)?;
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;

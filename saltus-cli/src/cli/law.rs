@@ -54,7 +54,7 @@ target; then the jump that it fires at each of these rates is simulated. Valid i
 rates whose jumps miss the target by --tolerance at most.
 
 With --plant the law is that robot's, as for `saltus table`; its misses are those of the multi-body \
-simulation (JSON: \"correction\" says how it was corrected).
+simulation (JSON: \"correction\" says how it was corrected: {\"simulated_jumps\", \"is_exact\" (the plant jumps as the planar model says), \"confirmed\" (jumps that were flown), \"dropped\", \"miss_greatest_m\"}; columns plant and plant_sha256 follow).
 
 CSV columns, one row for each target: distance_m (or clearance_m), slope_s (A), intercept_rad (B), \
 residual_greatest_rad, residual_rms_rad (fitted less exact angle), miss_greatest_m, miss_rms_m (reached \

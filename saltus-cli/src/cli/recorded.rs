@@ -40,7 +40,7 @@ impl McapOption {
         self.mcap.as_deref()
     }
 
-    /// Refuses a file in a folder that is not there, before long work.
+    /// Refuses a file that cannot be written, before long work.
     pub(crate) fn ready(&self) -> Result<(), CliError> {
         self.path().map_or(Ok(()), reachable)
     }

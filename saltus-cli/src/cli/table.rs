@@ -46,7 +46,7 @@ Examples:
 
 With --plant the answers hold on that robot, with its boom, the masses of its legs and its ground: the \
 multi-body simulation corrects the planar model, and flies every angle. A line of the report (JSON: \
-\"correction\") says how many jumps that took, and by how much the angles miss; an angle that misses by \
+\"correction\": {\"simulated_jumps\", \"is_exact\", \"confirmed\", \"dropped\", \"miss_greatest_m\"}) says how many jumps that took, and by how much the angles miss; an angle that misses by \
 more than 1 mm is left out. apex_m, land_m and t_liftoff_s are then the simulation's, and the columns \
 plant and plant_sha256 follow.
 

@@ -133,14 +133,36 @@ impl Files {
     }
 }
 
-/// Refuses a file in a folder that is not there, before long work.
+/// Refuses a file that cannot be written, before long work: its folder is not there or is read-only,
+/// or the path is a folder.
 pub(crate) fn reachable(path: &Path) -> Result<(), CliError> {
     let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
-    if folder.is_none_or(Path::is_dir) {
-        return Ok(());
+    if !folder.is_none_or(Path::is_dir) {
+        let missing = io::Error::new(io::ErrorKind::NotFound, "its folder is not there");
+        return Err(CliError::write(path, missing));
     }
-    let missing = io::Error::new(io::ErrorKind::NotFound, "its folder is not there");
-    Err(CliError::write(path, missing))
+    // The temporary file is removed at once.
+    Staged::new(path, &[]).map(drop)
+}
+
+/// Refuses a folder that cannot be made or written into, before long work.
+pub(crate) fn reachable_folder(path: &Path) -> Result<(), CliError> {
+    let failed = |error| CliError::write(path, error);
+    let there = path
+        .ancestors()
+        .map(|it| {
+            if it.as_os_str().is_empty() {
+                Path::new(".")
+            } else {
+                it
+            }
+        })
+        .find(|it| it.exists());
+    let there = there.unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        return Err(failed(io::Error::from(io::ErrorKind::NotADirectory)));
+    }
+    Temporary::folder_in(there).map(drop).map_err(failed)
 }
 
 /// Prints `text`; that nobody reads on is no error.

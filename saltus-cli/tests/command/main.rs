@@ -15,8 +15,10 @@ mod documents;
 mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
+mod golden;
 mod inject;
 mod jump;
+mod keys;
 mod learn;
 mod logs;
 mod meaning;
@@ -33,5 +35,6 @@ mod run;
 mod slips;
 mod strides;
 mod tables;
+mod unwritable;
 mod valves;
 mod verify;

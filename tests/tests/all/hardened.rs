@@ -17,7 +17,7 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
     let stance = Stance::new(robot, |_, x| x);
     let end = stance.jump(launch);
     let trace = stance.trace(launch);
-    let dual: Stance<Dual<1>> = Stance::new(robot, |_, x| Dual::of(x));
+    let dual: Stance<Dual<2>> = Stance::new(robot, |_, x| Dual::of(x));
     let of = Dual::of;
     let dual = dual.jump(&Launch {
         rate: Dual::variable(launch.rate, 0),

@@ -186,7 +186,7 @@ fn with_derivative(
     robot: &Robot,
     launch: &Launch,
     by: Direction,
-) -> Result<LiftOff<Dual<1>>, StanceError> {
+) -> Result<LiftOff<Dual<2>>, StanceError> {
     let lift = |term: Term, x: f64| match by {
         Direction::Term(other) if other == term => Dual::variable(x, 0),
         _ => Dual::of(x),
@@ -271,7 +271,7 @@ fn check_derivative(
     robot: &Robot,
     launch: &Launch,
     by: Direction,
-    dual: &LiftOff<Dual<1>>,
+    dual: &LiftOff<Dual<2>>,
     rough: &LiftOff,
     h: f64,
     digits: f64,
@@ -379,7 +379,7 @@ fn every_derivative_of_the_built_in_robots() {
 #[test]
 fn a_constant_has_no_derivative() {
     let robot = Robot::rats_planar();
-    let stance: Stance<Dual<1>> = Stance::new(&robot, |_, x| Dual::of(x));
+    let stance: Stance<Dual<2>> = Stance::new(&robot, |_, x| Dual::of(x));
     let of = Dual::of;
     let launch = Launch {
         rate: of(5.0),

@@ -358,17 +358,17 @@ fn derivatives_are_those_of_differences() {
     for term in terms {
         let lift = |other: Term, x: f64| {
             if other == term {
-                Dual::<1>::variable(x, 0)
+                Dual::<2>::variable(x, 0)
             } else {
                 Dual {
                     value: x,
-                    slope: [0.0],
+                    slope: [0.0; 2],
                 }
             }
         };
-        let constant = |x: f64| Dual::<1> {
+        let constant = |x: f64| Dual::<2> {
             value: x,
-            slope: [0.0],
+            slope: [0.0; 2],
         };
         let lifted = Launch {
             rate: constant(launch.rate),
@@ -508,17 +508,17 @@ fn derivatives_of_a_muscle_are_those_of_differences() {
     ] {
         let lift = |other: Term, x: f64| {
             if other == term {
-                Dual::<1>::variable(x, 0)
+                Dual::<2>::variable(x, 0)
             } else {
                 Dual {
                     value: x,
-                    slope: [0.0],
+                    slope: [0.0; 2],
                 }
             }
         };
-        let constant = |x: f64| Dual::<1> {
+        let constant = |x: f64| Dual::<2> {
             value: x,
-            slope: [0.0],
+            slope: [0.0; 2],
         };
         let lifted = Launch {
             rate: constant(launch.rate),

@@ -5,7 +5,7 @@
 //! as rigid rods on rubber feet.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use saltus_robot::{Drive, Robot};
+use saltus_robot::{Drive, Robot, Term};
 
 use super::block;
 use super::guide::{Guide, Known};
@@ -122,6 +122,7 @@ impl Stance {
         let inverse = inertia.try_inverse();
         let inverse = inverse.ok_or_else(|| refused("inertia", xx, "that of a body"))?;
         let directions = space.directions.vectors();
+        has_only_known_terms(robot)?;
         let legs = directions.iter().enumerate();
         let legs = legs
             .map(|(k, direction)| Leg::new(robot, k, direction))
@@ -501,6 +502,39 @@ impl Stance {
 
 /// Most commands of a jump.
 const MOST: usize = 8;
+
+/// Terms of a leg that this model of a stance has, or that a stance does not contain.
+const KNOWN: [Term; 11] = [
+    Term::Stroke,
+    Term::Delay,
+    Term::Force,
+    Term::CoulombFriction,
+    Term::ViscousFriction,
+    Term::ReturnStiffness,
+    Term::ReturnPreload,
+    Term::RodLength,
+    Term::RodRadius,
+    Term::LegCenter,
+    Term::LegMass,
+];
+
+/// Refuses a leg with a term that this model lacks.
+fn has_only_known_terms(robot: &Robot) -> Result<(), GaitError> {
+    let of_the_leg = |term: &&Term| term.spec().section().starts_with("leg");
+    let others = Term::ALL
+        .iter()
+        .filter(of_the_leg)
+        .filter(|term| !KNOWN.contains(term));
+    for term in others {
+        if let Some(value) = term.of(robot)
+            && term.off(robot) != Some(value)
+        {
+            let allowed = "left out for a jump from rest: the model of its stance lacks it";
+            return Err(refused(term.spec().key, value, allowed));
+        }
+    }
+    Ok(())
+}
 
 impl Leg {
     fn new(robot: &Robot, k: usize, direction: &[f64; 3]) -> Result<Leg, GaitError> {

@@ -15,7 +15,7 @@ use crate::cli::Status;
 use crate::cli::common::robot;
 use crate::cli::recorded::command as asked_for;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits};
+use crate::output::{self, Files, Format, digits, reachable_folder};
 
 /// The file of a robot that goes with the data.
 const OWN: &str = "robot.toml";
@@ -74,6 +74,7 @@ impl InjectFlags {
                 allowed: "a new or an empty folder for the data",
             });
         };
+        reachable_folder(folder)?;
         let name = command.robot.as_deref().or(self.kind.spec().robot);
         let robot = name
             .map(|name| robot(name, &command.overrides))

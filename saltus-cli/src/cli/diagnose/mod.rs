@@ -149,7 +149,7 @@ next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_w
 likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"left\" (null, or what the causes leave, where it is much: {\"channel\", \"phase\", \"rms\" in the channel's unit}), \"small\" (null, or what is visible where nothing is claimed: {\"channel\", \"rms\" (in the channel's unit), \"rms_sigma\", \"causes\": [ids that would explain it]}), \"tried\": \
 [{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
 \"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
-\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\", \"rows\"}, \"replan\": null or {\"course\", \"plant\", \"believed\" and \"measured\" (absent if the robot is as believed): {\"plan\" (false: none crosses the course), \"runs\", \"runs_passed\", \"land_error_mean_m\", \"land_error_sd_m\", \"missed_most\"}}, \"planner_leaves_out\": [keys of \
+\"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\": [{\"slope_s\", \"intercept_rad\"}: of the robot as believed, as measured], \"rows\": [{\"omega_rad_s\", \"alpha_f_rad\", \"land_error_m\": [before, after]}]}, \"replan\": null or {\"course\", \"plant\", \"believed\" and \"measured\" (absent if the robot is as believed): {\"plan\" (false: none crosses the course), \"runs\", \"runs_passed\", \"land_error_mean_m\", \"land_error_sd_m\", \"missed_most\"}}, \"planner_leaves_out\": [keys of \
 the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"column\", \"stated\", \"seen\"}], \"next_steps\": [{\"what\", \"command\" (or null)}]}. The entry with the id \
 \"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
 outliers counted less; noise makes it fall by about 1 for each parameter.
@@ -172,8 +172,8 @@ effects apart best. An example:
   valve_open_s = 0.08
   repeat = 6
 
-JSON with --power: {\"runs\", \"effects\": [{\"id\", \"column\", \"parameters\", \"seen_by_sigmas\", \"named\", \"alone\", \"nothing\" (shares), \
-\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\", \"effects\"}}. CSV: one row for each effect.
+JSON with --power: {\"command\", \"kind\", \"robot\", \"runs\", \"experiments_drawn\", \"effects\": [{\"id\", \"column\", \"parameters\", \"seen_by_sigmas\", \"named\", \"alone\", \"nothing\" (shares), \
+\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\": [{approach_rate_rad_s, firing_angle_rad, valve_open_s, supply_pressure_gauge_pa}], \"effects\"}}. CSV: one row for each effect.
 
 With --inject there is nothing to diagnose: data are made with effects hidden in them, in the folder --out, and the report says \
 what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \

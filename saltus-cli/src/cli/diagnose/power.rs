@@ -94,10 +94,10 @@ impl PowerFlags {
         let mut files = Files::default();
         files.report(
             command.output.out(),
-            match command.output.asked() {
-                Some(Format::Json) => output::json(&answer.json()),
-                Some(Format::Csv) => answer.csv(),
-                _ => answer.text(),
+            match command.output.format() {
+                Format::Json => output::json(&answer.json()),
+                Format::Csv => answer.csv(),
+                Format::Text => answer.text(),
             },
         );
         files.write()?;

@@ -12,7 +12,7 @@ use saltus::sim_check;
 use super::Status;
 use super::common::RobotFlags;
 use crate::error::CliError;
-use crate::output::Files;
+use crate::output::{Files, reachable};
 
 /// Write the robot for another program: a controller in C or Rust, a MuJoCo model, or URDF
 #[derive(Args, Debug)]
@@ -91,16 +91,24 @@ impl Export {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
             Target::Policy(command) => command.run(),
-            Target::Mjcf(command) => written(
-                sim_check::mjcf(&command.robot.any_robot()?)?,
-                command.out.as_deref(),
-            ),
-            Target::Urdf(command) => written(
-                sim_check::urdf(&command.robot.any_robot()?)?,
-                command.out.as_deref(),
-            ),
+            Target::Mjcf(command) => {
+                file_ready(command.out.as_deref())?;
+                let text = sim_check::mjcf(&command.robot.any_robot()?)?;
+                written(text, command.out.as_deref())
+            }
+            Target::Urdf(command) => {
+                file_ready(command.out.as_deref())?;
+                let text = sim_check::urdf(&command.robot.any_robot()?)?;
+                written(text, command.out.as_deref())
+            }
         }
     }
+}
+
+/// Refuses a file `out` that cannot be written, before long work.
+fn file_ready(out: Option<&Path>) -> Result<(), CliError> {
+    let file = out.filter(|out| *out != Path::new("-"));
+    file.map_or(Ok(()), reachable)
 }
 
 /// Writes `text` to the file `out`, or to the screen.

@@ -13,7 +13,7 @@ use crate::cli::Status;
 use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
-use crate::output::Files;
+use crate::output::{Files, reachable_folder};
 
 /// Write what `saltus learn` learnt as a table in C99 or Rust
 #[derive(Args, Debug)]
@@ -75,6 +75,7 @@ impl Policy {
             let allowed = "a folder, into which the files are written";
             return Err(CliError::flag("--out", self.out.display(), allowed));
         }
+        reachable_folder(&self.out)?;
         match self.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),

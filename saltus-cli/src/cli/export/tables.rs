@@ -7,12 +7,13 @@ use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
+use super::file_ready;
 use super::running::{RunningFlags, Written};
 use crate::cli::Status;
 use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
-use crate::output::{Files, print};
+use crate::output::{Files, print, reachable_folder};
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, angles, distances, rates};
 
@@ -171,6 +172,7 @@ struct TableFlags {
 
 impl C {
     pub(super) fn run(self) -> Result<Status, CliError> {
+        reachable_folder(&self.out)?;
         match self.flags.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
@@ -220,6 +222,7 @@ impl C {
 
 impl Rust {
     pub(super) fn run(self) -> Result<Status, CliError> {
+        file_ready(self.out.as_deref())?;
         match self.flags.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),

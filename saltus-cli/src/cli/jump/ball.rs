@@ -186,7 +186,6 @@ impl Jump {
     }
 
     fn map(&self, robot: &Robot, spacing: f64) -> Result<Status, CliError> {
-        self.output.ready(&self.plot)?;
         let threads = self.threads.count().get();
         let planner = self.planner(robot)?;
         let refused = |error| refused(error, robot);

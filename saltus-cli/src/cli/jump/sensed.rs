@@ -150,7 +150,6 @@ impl Jump {
 
     /// The greatest box at each of `pressures` (psi).
     fn greatest(&self, sensed: &Sensed, pressures: &[f64]) -> Result<Status, CliError> {
-        self.output.ready(&self.plot)?;
         let mut sensed = sensed.clone();
         let most = sensed.heights[0];
         let mut heights = vec![most];

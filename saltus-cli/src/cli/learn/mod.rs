@@ -165,8 +165,10 @@ CSV, a row for each seed: seed, episodes, reward (of the scored episode), angle_
 time_s, firings, gas_kg, outside (share of the steps of learning in which a number was outside the states' ranges), broken (episodes that ended because the \
 motion could not be computed further), episodes_to_90_percent (until the mean of ten episodes has 90 % of the last tenth's angle or travel; empty: the robot did not learn to run, or less than 20 episodes).
 
-JSON: {\"command\": \"learn\", \"task\", \"robot\", \"episodes\", \"seeds\", \"interrupted\", \"score\": {\"name\", \"mean_of_middle_half\", \"interval_95\", \"best\"}, \
-\"arrived\": {\"count\", \"of\", \"interval_95\"}, \"episodes_to_90_percent\", \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
+JSON: {\"command\": \"learn\", \"task\", \"robot\", \"algorithm\", \"episodes\", \"seeds\", \"interrupted\", \"score\": {\"name\" (travel_m or \
+angle_rad), \"learnt\": {\"mean_of_middle_half\", \"interval_95\"}, \"best\"}, \"arrived\": {\"count\", \"of\", \"interval_95\"}, \
+\"time_to_the_goal_s\" (of the seeds that reach it) and \"episodes_to_90_percent\" (of the seeds that learn to run), each with the keys of \
+\"learnt\" or null without such a seed, \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
 \"best_seed\", \"policy\": {the settings, \"tables\", \"checksum\"}}. The policy is what --resume goes on from.
 
 Ctrl-C ends learning after the episodes that run; the answer is then of what was learnt, with exit code 130, and can be resumed. A robot that learns \
@@ -300,6 +302,7 @@ impl Learn {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         self.output.ready(&self.plot)?;
+        self.animate.as_deref().map_or(Ok(()), reachable)?;
         let before = self.before()?;
         let settings = self.settings(before.as_ref())?;
         let seeds = self.seeds(before.as_ref());
@@ -311,7 +314,6 @@ impl Learn {
         files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
         files.check()?;
         if let Some(page) = &self.animate {
-            reachable(page)?;
             let all = settings.schedule.episodes;
             if let Some(count) = self.shown.iter().find(|count| **count as usize > all) {
                 let allowed = format!("at most {all}, the episodes");

@@ -89,6 +89,7 @@ const COLUMNS: &[&str] = &[
 
 impl Parkour {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.ready(&self.plot)?;
         let hopper = hopper::resolve(&self.robot, &self.overrides)?;
         let courses = self.courses()?;
         let progress = Progress::new("courses", courses.len());

@@ -72,7 +72,6 @@ impl Run {
     }
 
     fn one_ball(&self, robot: &Robot, mut setup: Roll, aim: Aim) -> Result<Status, CliError> {
-        self.output.ready(&self.plot)?;
         self.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.

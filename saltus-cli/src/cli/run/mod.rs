@@ -35,7 +35,7 @@ use super::recorded::McapOption;
 use super::refused::refused;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{Files, Format, digits, message, reachable};
+use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
@@ -189,6 +189,26 @@ JSON: {\"command\": \"run\", \"robot\", \"gait\", \"ending\", ...}: what the tex
 are in J: \"ledger_j\" has the work of the drives and from outside, and what was lost in legs, by slip, to the air, in impacts \
 at the ground and at end stops; what motion, height and springs gained; \"residual\" is work less losses and gains: what these do not explain.
 
+Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction\", \"seconds\" (asked for), \"ran_for_s\", \"step_s\", \"seed\", \"zone_rad\", \"taps\", \
+\"disturbances\", \"rear_leg_at_start\", \"travel_m\", \"way_m\", \"mean_speed_m_s\", \"last_speed_m_s\", \"top_speed_m_s\" and \"time_to_1_6_m_s\" (both of the first 1.6 m), \
+\"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
+\"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\", \"boxes\", \"ending\": {\"how\"}, \
+\"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
+\"residual\", \"gas_residual\"}, \"optimal\": {\"distance_m\", \"predicted_s\", \"flown_s\", \"fastest_firings\", \"fastest_firings_s\", \"levels\": [{\"cells\", \"choices\", \
+\"sweeps\", \"time_s\", \"bellman_residual_s\"}], \"table\": {\"rates_rad_s\", \"rows\"}}.
+
+Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_stiffness_n_per_m\", \"friction_and_spring_at_mid_stroke_n\", \
+\"supply_standard_deviation_pa\", \"friction_along\", \"friction_across\"}; shares {\"count\", \"of\", \"share\", \"interval_95\"}: \"running\" (with \"from_m_s\", the least speed), \
+\"reached_3_2_m_s\", \"reached_3_2_m_s_within_3_s\", \"stalled\"; of the robots \"not_simulated\", \"first_not_simulated\", \"speed_of_runners_m_s\", \
+\"speed_at_1_6_s_m_s\", \"time_to_3_2_m_s_s\", \"gas_of_runners_kg_per_m\"; and \"runs\", whose keys are the columns of CSV: robot, supply_pressure_gauge_pa, \
+coulomb_friction_n, spring_stiffness_n_per_m, spring_preload_n, friction_along, ending, stalled_at_m, stalled_since_s, error, drives_j, residual_j and those of a run.
+
+Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \"travel_m\", \"way_m\", \"place_m\", \"time_s\", \"points\", \"points_reached\", \
+\"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\"; with --robots \
+\"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
+\"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run; with --bears \"success\" and \"bears\": [{\"imperfection\", \
+\"value\", \"share\"}], in CSV imperfection, value, success, robots, share, low_95, high_95.
+
 --gait optimal seeks the least time from rest to --distance on this robot without noise and disturbances, by dynamic programming \
 over its strides, and runs the table that it finds: docs/running.md says how. If no choice leads there, the answer says how far \
 the robot comes, and the exit code is 1.
@@ -212,7 +232,7 @@ of mass may be from the middle, friction, the slope of the ground along the firs
 with the share of robots and its 95 % interval (Wilson), and --plot draws them. The CSV of a run has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
 rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \
-twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_quaternion_z \
+twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_z_m and estimated_quaternion_w to estimated_quaternion_z \
 (empty without sensors), and extension_N_m of each leg. Its page (--animate) shows the ball in space, by WebGL, with the estimate of \
 its sensors beside it. Its telemetry is run.csv, with the columns of /measured (rates and specific force along the body's axes, contact \
 and valve of each leg), cycles.csv with the columns of CSV, robot.toml and settings.toml; `saltus diagnose` does not read it.
@@ -226,6 +246,7 @@ accelerometers, and settings.toml. With --believed the folder names another robo
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
+        self.ready()?;
         let learned = self.gait.learned()?;
         let robot = self.run_robot(learned.as_ref())?;
         if robot.space.is_some() {
@@ -246,7 +267,6 @@ impl Run {
             self.can_be_analysed(&robot, &chosen)?;
         }
         let mut setup = self.setup(&robot, &chosen)?;
-        self.output.ready(&self.plot)?;
         if let Some(quest) = self.gait.quest() {
             self.places()?;
             chosen.best = best::seek(&mut setup, quest, self.threads.count().get())?;
@@ -449,19 +469,23 @@ impl Run {
         Ok(files)
     }
 
-    /// Refuses files in folders that are not there and files that two flags name, before long work.
-    fn places(&self) -> Result<(), CliError> {
-        if let Some(page) = &self.animate {
-            reachable(page)?;
-            if self.seconds > LONGEST_FILM {
-                let allowed = format!(
-                    "used with --seconds {LONGEST_FILM} at most, not {}",
-                    self.seconds
-                );
-                return Err(CliError::flag("--animate", "", allowed));
-            }
-        }
+    /// Refuses files and a folder that cannot be written, before long work.
+    fn ready(&self) -> Result<(), CliError> {
+        self.output.ready(&self.plot)?;
+        self.animate.as_deref().map_or(Ok(()), reachable)?;
         self.mcap.ready()?;
+        self.telemetry.as_deref().map_or(Ok(()), reachable_folder)
+    }
+
+    /// Refuses a page of a long run and files that two flags name, before long work.
+    fn places(&self) -> Result<(), CliError> {
+        if self.animate.is_some() && self.seconds > LONGEST_FILM {
+            let allowed = format!(
+                "used with --seconds {LONGEST_FILM} at most, not {}",
+                self.seconds
+            );
+            return Err(CliError::flag("--animate", "", allowed));
+        }
         let out = self.output.out().filter(|out| *out != Path::new("-"));
         let mut files = Files::default();
         files.extend(out.map(|out| ("--out", out)));

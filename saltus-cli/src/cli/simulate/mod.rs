@@ -103,6 +103,8 @@ A jump that does not take off is an answer: the exit code is 0.";
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.common.ready(&self.plot)?;
+        self.mcap.ready()?;
         let robot = self.common.planned_robot()?;
         note_valve(&robot, self.valve_open.as_ref().map(|_| "--valve-open"));
         let (launches, lines) = self.launches(&robot)?;
@@ -114,7 +116,6 @@ impl Simulate {
             );
             return Err(CliError::flag("--plot", "", allowed));
         }
-        self.mcap.ready()?;
         if self.mcap.path().is_some() && launches.len() != 1 {
             let allowed = format!("used with one jump, not {}", launches.len());
             return Err(CliError::flag("--mcap", "", allowed));

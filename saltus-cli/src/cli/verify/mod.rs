@@ -22,7 +22,7 @@ use super::Status;
 use super::common::{Common, PlantFlags, PlotOption, Threads, page_file};
 use super::recorded::{Beside, McapOption};
 use crate::error::CliError;
-use crate::output::Format;
+use crate::output::{Format, reachable};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, frictions};
@@ -156,7 +156,7 @@ land_wanted_x_m, miss_m (simulated less wanted), clearance_m (least distance bet
 slip_start_s (time at which the foot first slips along the travel), slip_m and slip_across_m (net until \
 lift-off), friction_needed (greatest |force along the travel|/normal force), normal_least_n, \
 energy_residual_j (what the energy ledger leaves unexplained); for each demand DEMAND_holds (true or \
-false; empty: not demanded) and DEMAND_margin_m (how far inside its limit, negative: outside; of friction without unit); passes, \
+false; empty: not demanded) and DEMAND_margin_m (how far inside its limit, negative: outside; of friction friction_margin, without unit); passes, \
 reason (what is missed). Places x are along the course; for a law or a table they are distances from the foot.
 
 JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": …, \"seed\": …, \
@@ -164,13 +164,14 @@ JSON: {\"command\": \"verify\", \"robot\": NAME, \"plant\": NAME, \"subject\": �
 \"jump\", \"demand\", \"jumps\" (that miss it), \"of\" (that were started), \"margin_least\", \"worst\" (in \
 words)}], \"advice\": [what to do], \"groups\": [{\"errors\", \"friction_coefficient\", \"runs\", \
 \"runs_passed\", \"jumps\", \"passed\", \"landed\", \"slipped\", \"simulation_failed\", \"not_started\", \
-\"land_error_mean_m\", \"land_error_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \"apex_error_mean_m\", \
-\"clearance_least_m\", …}], \"rows\": [{the columns}]}.
+\"land_error_mean_m\", \"land_error_sd_m\", \"land_error_greatest_m\", \"miss_mean_m\", \"miss_sd_m\", \"miss_rms_m\", \"miss_greatest_m\", \
+\"apex_error_mean_m\", \"apex_error_greatest_m\", \"slip_greatest_m\", \"friction_needed_greatest\", \"normal_least_n\", \
+\"energy_residual_greatest_j\", \"clearance_least_m\"}], \"rows\": [{the columns}]}.
 
 --mcap writes the jumps that --animate shows, one after the other, each from a whole second on; docs/viewers.md lists the topics.
 
 With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
-control as well, and the report says how far the two differ (JSON: \"step_cost\").
+control as well, and the report says how far the two differ (JSON: \"step_cost\": null or {\"step_s\", \"landing_greatest_m\", \"apex_greatest_m\", \"other_ends\" (jumps that end otherwise)}).
 
 The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn. A jump that cannot be simulated \
 fails like any other.";
@@ -184,6 +185,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.common.ready(&self.plot)?;
         self.mcap.ready()?;
+        self.animate.as_deref().map_or(Ok(()), reachable)?;
         let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant

@@ -86,7 +86,6 @@ impl Run {
         aim: Aim,
         robots: usize,
     ) -> Result<Status, CliError> {
-        self.output.ready(&self.plot)?;
         self.note_a_short_run(setup, aim);
         // What is wrong with all of them is bad input, and said before they run.
         roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;

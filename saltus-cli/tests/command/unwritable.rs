@@ -1,0 +1,201 @@
+//! Every command refuses an output that cannot be written before it works.
+
+use std::collections::BTreeSet;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::Folder;
+use crate::golden;
+
+/// Each command with work that takes minutes, or with an input that is not there: a refusal that
+/// names the output comes before both.
+const LONG: &[(&str, &str)] = &[
+    ("simulate", "--omega 0:10:1000 --alpha-f -1:1:1000"),
+    ("table", "--omega 3:6:1000 --distance 0.3:1:1000"),
+    ("law", "--omega 3:6:1000 --distance 0.3:1:1000"),
+    (
+        "map",
+        "--omega 3:6:1000 --alpha-f -1:1:1000 --plant rats-boom",
+    ),
+    ("plan", "nowhere.toml"),
+    ("verify", "nowhere.toml"),
+    (
+        "run",
+        "--gait optimal --refinements 4 --seconds 1000 --exact",
+    ),
+    ("run", "--gait fixed --seconds 1000 --robots 1000 --exact"),
+    ("run", "--robot rats-twelve --seconds 60 --robots 1000"),
+    (
+        "run",
+        "--robot rats-twelve --gait steer --seconds 60 --bears",
+    ),
+    (
+        "filling",
+        "--omega 4.5 --alpha-f -0.1 --set tank.volume_l=5000",
+    ),
+    ("jump", "--obstacle 0.21x0.21@1.3"),
+    ("jump", "--obstacle 0.21x0.21@1:6"),
+    ("jump", "--robot rats-twelve --map 0.02"),
+    ("jump", "--robot rats-twelve --obstacle 0.21x0.21@2.2"),
+    ("learn", "run-legs"),
+    ("diagnose", "nowhere"),
+    ("diagnose --power", "nowhere.toml"),
+    ("fit", "nowhere"),
+    ("parkour", "nowhere.json"),
+    ("export c", "--distance 0.3:0.8:1000 --omega 3:6:1000"),
+    ("export rust", "--distance 0.3:0.8:1000 --omega 3:6:1000"),
+    ("export policy", "nowhere.json"),
+    ("export mjcf", "--robot nowhere.toml"),
+    ("export urdf", "--robot nowhere.toml"),
+];
+
+/// Flags with a file or a folder that is read, and those of `diagnose` that --power leaves no use for.
+const READ: &[&str] = &[
+    "--robot",
+    "--plant",
+    "--batch",
+    "--policy",
+    "--path",
+    "--believed",
+    "--resume",
+    "--replan",
+    "--power",
+    "--law",
+];
+
+/// Time in which a refusal has to come on a machine with other work: it takes milliseconds.
+const LIMIT: Duration = Duration::from_secs(20);
+
+/// The flags that name a file or a folder which `saltus COMMAND` writes, each with the word of its
+/// help for the value: `FILE.svg|FILE.png`.
+fn outputs(command: &str) -> Vec<(String, String)> {
+    let help = Folder::new(&format!("unwritable-help-{}", command.replace(' ', "-")))
+        .done(&format!("{command} --help"), 0);
+    let flags = help.lines().filter_map(|line| {
+        let (_, rest) = line.split_once("--").filter(|(before, _)| {
+            before.trim().is_empty() || before.trim_start().starts_with('-')
+        })?;
+        let (flag, value) = rest.split_once(" <")?;
+        let value = value.strip_suffix('>')?;
+        let is_file = value
+            .split(['|', '.'])
+            .any(|it| ["FILE", "DIR", "FOLDER"].contains(&it));
+        is_file.then(|| (format!("--{flag}"), value.to_owned()))
+    });
+    flags
+        .filter(|(flag, _)| !READ.contains(&flag.as_str()))
+        .collect()
+}
+
+/// Places for a value of this kind that cannot be written.
+fn places(value: &str) -> Vec<String> {
+    let mut places = Vec::new();
+    if ["DIR", "FOLDER"].contains(&value) {
+        places.push("file/below".to_owned());
+    } else {
+        let ending = value.split(['|', '.']).nth(1).unwrap_or("json");
+        places.push(format!("nowhere/a.{ending}"));
+        places.push(format!("folder.{ending}"));
+    }
+    // Not even root writes there.
+    if cfg!(target_os = "linux") {
+        let ending = value.split(['|', '.']).nth(1).unwrap_or("json");
+        places.push(format!("/proc/a.{ending}"));
+    }
+    places
+}
+
+/// Runs `line`, which must be refused: whether because of `place`, or of flags that do not go together.
+#[track_caller]
+fn refused(folder: &Folder, line: &str, place: &str) -> bool {
+    let before = folder.names();
+    let start = Instant::now();
+    let [out, err] = ["out.log", "err.log"].map(|name| folder.path(name));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_saltus"))
+        .args(line.split_whitespace())
+        .current_dir(folder.path("."))
+        .stdin(Stdio::null())
+        .stdout(std::fs::File::create(&out).unwrap())
+        .stderr(std::fs::File::create(&err).unwrap())
+        .spawn()
+        .unwrap();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > LIMIT {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("{line}: works before it looks at {place}");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    let [out, err] = [out, err].map(|path| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        text
+    });
+    assert_eq!(status.code(), Some(2), "{line}: {out}{err}");
+    let is_named = err.contains(place) && err.contains("cannot be written");
+    // Flags that do not go together are no outputs.
+    assert!(
+        is_named || err.contains("cannot be used with"),
+        "{line}: {err}"
+    );
+    assert_eq!(out, "", "{line}");
+    assert_eq!(folder.names(), before, "{line}");
+    is_named
+}
+
+#[test]
+fn every_command_refuses_an_output_that_cannot_be_written_before_it_works() {
+    let folder = Folder::new("unwritable");
+    folder.write("file", "");
+    for ending in ["json", "svg", "html", "mcap", "toml"] {
+        std::fs::create_dir(folder.path(&format!("folder.{ending}"))).unwrap();
+    }
+    let mut waiting = BTreeSet::new();
+    let mut named = BTreeSet::new();
+    for (command, work) in LONG {
+        let name = command.split(" --").next().unwrap();
+        for (flag, value) in outputs(name) {
+            if *command == "diagnose --power" && flag != "--out" {
+                continue;
+            }
+            for place in places(&value) {
+                let line = format!("{command} {work} {flag} {place}");
+                let line = match *command {
+                    "export c" | "export policy" if flag != "--out" => line + " --out made",
+                    _ => line,
+                };
+                waiting.insert(format!("{name} {flag} {place}"));
+                if refused(&folder, &line, &place) {
+                    named.insert(format!("{name} {flag} {place}"));
+                }
+            }
+        }
+    }
+    assert_eq!(waiting, named);
+    // Data are made in a folder.
+    let line = "diagnose --inject none --kind tank-leg --out file/below";
+    assert!(refused(&folder, line, "file/below"));
+}
+
+/// No command with an output is left out above.
+#[test]
+fn every_command_with_an_output_is_tried() {
+    let folder = Folder::new("unwritable-all");
+    let tried: BTreeSet<&str> = LONG.iter().map(|(command, _)| *command).collect();
+    for name in golden::commands(&folder.done("--help", 0)) {
+        let help = folder.done(&format!("{name} --help"), 0);
+        let below = golden::commands(&help);
+        for command in if below.is_empty() {
+            vec![name]
+        } else {
+            below.iter().map(|it| format!("{name} {it}")).collect()
+        } {
+            let is_tried = tried.contains(command.as_str());
+            assert_eq!(is_tried, !outputs(&command).is_empty(), "{command}");
+        }
+    }
+}
