@@ -9,7 +9,7 @@ use saltus_controller::qp::{self, HalfPlane};
 use saltus_controller::{Obstacle, Rule, Sensed, Task};
 
 #[rustfmt::skip]
-#[path = "rats_planar/tables.rs"]
+#[path = "../../../controller/examples/rats_planar/tables.rs"]
 mod tables;
 
 use tables::RATS_PLANAR;

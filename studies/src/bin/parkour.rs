@@ -65,9 +65,13 @@ impl From<&Instance> for Course {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
-    let file = args
-        .next()
-        .unwrap_or("tests/reference/parkour-hopper/instances.json".into());
+    let file = args.next().unwrap_or(
+        concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../tests/reference/parkour-hopper/instances.json"
+        )
+        .into(),
+    );
     let file: File = serde_json::from_str(&std::fs::read_to_string(file)?)?;
     let (hopper, settings) = (Hopper::default(), Settings::default());
     let mut plans = Vec::new();

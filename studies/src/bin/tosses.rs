@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use saltus_sim_check::SimError;
 
-#[path = "tosses/toss.rs"]
+#[path = "../../../sim-check/tests/all/tosses/toss.rs"]
 mod toss;
 use toss::{Law, Toss, board_height, compare, read_folder};
 
@@ -97,9 +97,13 @@ fn score(tosses: &[&Toss], law: &Law) -> Result<(f64, f64), SimError> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = std::env::args()
-        .nth(1)
-        .unwrap_or("tests/reference/cube-tosses".into());
+    let folder = std::env::args().nth(1).unwrap_or(
+        concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../tests/reference/cube-tosses"
+        )
+        .into(),
+    );
     let tosses = read_folder(&PathBuf::from(folder))?;
     let (fitted, held): (Vec<_>, Vec<_>) = tosses.iter().enumerate().partition(|(i, _)| i % 2 == 0);
     let fitted: Vec<&Toss> = fitted.into_iter().map(|(_, toss)| toss).collect();

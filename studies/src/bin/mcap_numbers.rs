@@ -13,7 +13,10 @@ use saltus_telemetry::{Event, Field, Path, Selection, read};
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     if words.is_empty() {
-        let own = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/files/zstd.mcap");
+        let own = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../telemetry/tests/files/zstd.mcap"
+        );
         let paths = ["/imu.angular_velocity.y", "/joint_states.position[leg1]"];
         words.push(own.into());
         words.extend(paths.map(str::to_owned));

@@ -16,7 +16,7 @@ use saltus_robot::Robot;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let planner = Planner::new(Robot::rats_planar());
-    let rows: Vec<Launch> = read("tests/reference/jumps.csv")?
+    let rows: Vec<Launch> = read("jumps.csv")?
         .iter()
         .map(|row| Launch {
             rate: row[0],
@@ -120,7 +120,7 @@ fn table(planner: &Planner) -> Result<(), Box<dyn Error>> {
         sensitivities: false,
         threads: 1,
     };
-    let reference = read("tests/reference/table.csv")?;
+    let reference = read("table.csv")?;
     for threads in [1, 2] {
         request.threads = threads;
         let table = planner.table(&request)?;
@@ -224,10 +224,10 @@ fn random(count: usize) -> Vec<Launch> {
         .collect()
 }
 
-/// The numbers of a CSV file; its words become NaN.
-fn read(path: &str) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| format!("{path}: {e}; run from the repository's root"))?;
+/// The numbers of a CSV file of the reference; its words become NaN.
+fn read(name: &str) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+    let path = format!("{}/../tests/reference/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
     Ok(text
         .lines()
         .skip(1)

@@ -23,7 +23,7 @@ use saltus_robot::Robot;
 use saltus_tests::controlled::{Encoder, spread};
 
 #[rustfmt::skip]
-#[path = "../../controller/examples/rats_planar/tables.rs"]
+#[path = "../../../controller/examples/rats_planar/tables.rs"]
 mod tables;
 
 use tables::RATS_PLANAR;
