@@ -1,7 +1,7 @@
 //! Analyses the robot that runs, fired at 0.1 rad for 40 ms after a push: energy, periodic gaits,
 //! which starts run, speed against gas; then its gaits over the firing angle.
 //!
-//!     cargo run --release -p saltus-gait --example analyse [ROBOTS]
+//!     cd studies && cargo run --release --bin analyse [ROBOTS]
 
 use std::error::Error;
 

@@ -2,7 +2,7 @@
 //! such searches, each from the last one's answer, the present one was found.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example balance -- 14 10
+//! cd studies && cargo run --release --bin balance -- 14 10
 //! ```
 //!
 //! The words are how many robots and how many generations; without any 2 and 1, which shows only that it works.

@@ -1,7 +1,7 @@
 //! The thesis' run of the twelve-legged robot (7.2.2), and how soon what 7.3 names throws it out of its plane.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball
+//! cd studies && cargo run --release --bin ball
 //! ```
 
 type Failed = Box<dyn std::error::Error>;

@@ -2,7 +2,7 @@
 //! costs.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball_analysis -- 2.5e-5 40
+//! cd studies && cargo run --release --bin ball_analysis -- 2.5e-5 40
 //! ```
 //!
 //! The first number is the time step (s), the second how many drawn robots are kept up by the regulator.

@@ -1,6 +1,6 @@
 //! The drill of `firmware/ball.c` in Rust: the same balls, and a hash of every bit of what they know and decide.
 //!
-//!     cargo run --release -p saltus-controller --example ball_drill -- [CYCLES [double]]
+//!     cd studies && cargo run --release --bin ball_drill -- [CYCLES [double]]
 
 use saltus_controller::Real;
 use saltus_controller::ball::{

@@ -1,7 +1,7 @@
 //! How well drawn balls know their motion by their sensors: attitude, heading, contacts.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball_estimate -- [ROBOTS [SECONDS [BIAS]]]
+//! cd studies && cargo run --release --bin ball_estimate -- [ROBOTS [SECONDS [BIAS]]]
 //! ```
 //!
 //! Gyros read BIAS (rad/s) at rest. The robot's file states it, and the estimator removes it. Each ball runs for all of the SECONDS,

@@ -1,7 +1,7 @@
 //! Jumps of rats-twelve from rest: firings to a few places, and how many of 50 other robots land within 10 cm.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball_jump -- 0.3 60
+//! cd studies && cargo run --release --bin ball_jump -- 0.3 60
 //! ```
 //!
 //! Distance (m) and heading (degrees); where nothing is given, a few of them.

@@ -1,7 +1,7 @@
 //! A simulated ball's run once more from what its sensors said: by the controller in Rust here, and by the exported C.
 //!
 //! ```text
-//! cargo run --release -p saltus --example ball_replay -- [SECONDS [float|double [FOLDER]]]
+//! cd studies && cargo run --release --bin ball_replay -- [SECONDS [float|double [FOLDER]]]
 //! ```
 //!
 //! Into the folder it writes the exported files, and `ball_readings.h` with what the sensors said. `controller/firmware/ball_replay.c` takes them, and

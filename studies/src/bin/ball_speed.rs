@@ -1,10 +1,10 @@
 //! How long a time step of a robot in space takes: the one side of `tests/mujoco/run.py ball_speed`.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball_speed -- rats-twelve STATES.csv 1e-3 0.2
+//! cd studies && cargo run --release --bin ball_speed -- rats-twelve STATES.csv 1e-3 0.2
 //! ```
 //!
-//! From each state of a file that the example `ball_touch_downs` wrote, the simulation goes on for a while (0.2 s) in steps of
+//! From each state of a file that the study `ball_touch_downs` wrote, the simulation goes on for a while (0.2 s) in steps of
 //! fixed length (1e-3 s). The answer is the time of a step (µs) and the feet on the ground (mean); of each state the fastest of
 //! three runs counts. Without a file it is a ball at rest.
 

@@ -2,7 +2,7 @@
 //! `tests/mujoco/run.py ball`.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example ball_touch_downs -- ROBOT STATES.csv OURS.csv COUNT SEED STEP
+//! cd studies && cargo run --release --bin ball_touch_downs -- ROBOT STATES.csv OURS.csv COUNT SEED STEP
 //! ```
 //!
 //! ROBOT is a built-in robot or a file, STEP the simulation's step from the state on (s). Two of five states are of the rolling

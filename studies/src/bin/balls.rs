@@ -1,7 +1,7 @@
 //! Drawn balls that are kept in their plane: how many run 30 m within 1 m of their line, and how well each knows its motion.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example balls -- 100 sensors
+//! cd studies && cargo run --release --bin balls -- 100 sensors
 //! ```
 //!
 //! The second word is `sensors`, `truth`, or `blind`, where twins correct nothing. After it may come the scatter of forces,

@@ -1,7 +1,7 @@
 //! Seeks the firings that take rats-run from rest over a box, and tries them on 100 other robots.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example box -- 1.3 0.21 160 3 12 16
+//! cd studies && cargo run --release --bin box -- 1.3 0.21 160 3 12 16
 //! ```
 //!
 //! Front (m) and height (m) of the box, supply pressure (psi), legs that accelerate, robots to seek

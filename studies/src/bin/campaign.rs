@@ -1,7 +1,7 @@
 //! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis
 //! says of each.
 //!
-//!     cargo run --release -p saltus-tests --example campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4]
+//!     cd studies && cargo run --release --bin campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4]
 //!
 //! With nothing given it runs flights only; with `noise=untold` the folders do not say how much
 //! their columns scatter; `discrepancy` adds a smooth process to every column, in standard

@@ -1,7 +1,7 @@
 //! The chain from a log to a plan: hidden plants, what the diagnosis makes of their jumps, and how
 //! many jumps pass of the plan for the robot as believed, as diagnosed, and as it really is.
 //!
-//!     cargo run --release -p saltus-tests --example chain -- plants=40 samples=200 [first=1001]
+//!     cd studies && cargo run --release --bin chain -- plants=40 samples=200 [first=1001]
 //!
 //! With nothing given it takes two plants, and 60 runs of each plan.
 //! Each plant is `rats-boom` with one cause of jumps hidden at 6 to 12 σ of a reading. A plant whose

@@ -1,7 +1,7 @@
 //! Plans with a share of drawn jumps asked for, on random courses, against a search by brute force in
 //! the multi-body simulation.
 //!
-//!     cargo run --release -p saltus-tests --example courses [courses=40] [samples=200] [seed=1] [course=17]
+//!     cd studies && cargo run --release --bin courses [courses=40] [samples=200] [seed=1] [course=17]
 //!
 //! With `course` only that one is planned. With nothing given there are two courses, and 40 drawn runs of each plan. A course has one of:
 //! a box, a ditch, a step to land on, a box and a ditch for two jumps. `rats-boom` jumps. A plan has to

@@ -2,7 +2,7 @@
 //! valve's delay, on `run-legs`; then the algorithms under each other's schedules of exploration.
 //!
 //! ```text
-//! cargo run --release -p saltus --example crossed_learning -- 30 1000
+//! cd studies && cargo run --release --bin crossed_learning -- 30 1000
 //! ```
 //!
 //! Seeds and episodes; 2 and 3 where nothing is given. With 30 and 1000 it takes about 200 minutes of one core, and

@@ -1,6 +1,6 @@
 //! How long a look-up, a quadratic program and a decision take, each waiting for the one before.
 //!
-//!     cargo run --release -p saltus-controller --example decision_speed
+//!     cd studies && cargo run --release --bin decision_speed
 
 use std::hint::black_box;
 use std::time::Instant;

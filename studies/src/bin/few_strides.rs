@@ -2,7 +2,7 @@
 //! optimisation and by CMA-ES, and what was learnt is scored on other robots beside the thesis' two lines.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example few_strides -- 30 60
+//! cd studies && cargo run --release --bin few_strides -- 30 60
 //! ```
 //!
 //! Seeds, and starts of each; 2 and 6 where nothing is given. Every learner begins in the middle of the ranges.

@@ -1,7 +1,7 @@
 //! Three ways to hold a foot on the ground, on the same jumps: rigid contact whose events are
 //! located, a compliant ground under which a foot sticks truly, and impulses in fixed steps.
 //!
-//! `cargo run --release -p saltus-sim-check --example formulations` prints the worst over the
+//! `cd studies && cargo run --release --bin formulations` prints the worst over the
 //! launches: differences of apex and landing from the first formulation at a friction coefficient
 //! of 1, how far the foot that should stick has crept along the travel by lift-off, and CPU time a
 //! jump.

@@ -2,7 +2,7 @@
 //! to 20 % off, and on a slope of up to 3°.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example hold_speed -- 100
+//! cd studies && cargo run --release --bin hold_speed -- 100
 //! ```
 //!
 //! So many runs for each speed; 4 where nothing is given.

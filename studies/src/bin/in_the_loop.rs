@@ -2,7 +2,7 @@
 //! quantised encoder at 1 kHz: how far from where they should land, beside the exact planner, a
 //! constant firing angle, and perfect sensors.
 //!
-//!     cargo run --release -p saltus-tests --example in_the_loop -- [JUMPS] [PROGRAM]
+//!     cd studies && cargo run --release --bin in_the_loop -- [JUMPS] [PROGRAM]
 //!
 //! PROGRAM is another controller, such as `controller/examples/robot.c`: for each jump it reads a
 //! line `start RATE LEAN`, then a line with the lean for each millisecond, and answers each of

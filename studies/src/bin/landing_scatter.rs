@@ -2,7 +2,7 @@
 //! thesis' law α_f = −0.1 s ω + 0.46 rad, a constant angle, and a line sought for 1 m (5.2.3).
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example landing_scatter -- 120 40 100
+//! cd studies && cargo run --release --bin landing_scatter -- 120 40 100
 //! ```
 //!
 //! Supply pressure (psi), robots on which constant and line are sought, others that are scored; 120

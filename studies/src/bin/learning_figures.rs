@@ -1,7 +1,7 @@
 //! Figures 6.2 to 6.7 of the thesis from Saltus' robots that learn, on the thesis' axes, as drawings in docs/learning/.
 //!
 //! ```text
-//! cargo run --release -p saltus --example learning_figures -- docs/learning 30
+//! cd studies && cargo run --release --bin learning_figures -- ../docs/learning 30
 //! ```
 //!
 //! The folder, and the seeds of figure 6.4; without them a short version is made in a temporary folder. With 30 seeds it takes

@@ -1,7 +1,7 @@
 //! How much of the time of learning is the learners': the same random actions with and without a table that learns from them.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example learning_overhead -- 100 5
+//! cd studies && cargo run --release --bin learning_overhead -- 100 5
 //! ```
 //!
 //! Episodes of 1000 steps of `run-legs` in a round, and rounds, in which all take turns; 2 and 2 where nothing is given. Times

@@ -1,5 +1,5 @@
 //! Jumps of the library alone, as `bench/python_speed.py` asks Python for them:
-//! `cargo run --release -p saltus-bench --example many_jumps -- COUNT`.
+//! `cd studies && cargo run --release --bin many_jumps -- COUNT`.
 //!
 //! Prints the seconds of `COUNT` jumps on one thread and on two, and of one jump, the least of several rounds.
 

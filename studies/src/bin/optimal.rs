@@ -2,7 +2,7 @@
 //! smooth law.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example optimal -- 4 1.6 0.9 100
+//! cd studies && cargo run --release --bin optimal -- 4 1.6 0.9 100
 //! ```
 //!
 //! Levels of refinement, distance (m), friction along the travel, drawn robots: 2, 1.6, 0.9 and 2

@@ -1,7 +1,7 @@
 //! rats-twelve out of a run over a box: seeks how its twins jump, and tries it on 100 other robots.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example over_box -- 0.21 2.2 2.2 16 3 100
+//! cd studies && cargo run --release --bin over_box -- 0.21 2.2 2.2 16 3 100
 //! ```
 //!
 //! Height (m) of the box, its nearest and farthest front (m), robots to seek on, generations, and other robots; where nothing

@@ -1,6 +1,5 @@
 //! Plans every problem of a parkour file and prints the time of each and of all: `parkour
-//! [INSTANCES.json [PLANS.json]]`, from the repository's root; without a file the 58 problems of
-//! the reference.
+//! [INSTANCES.json [PLANS.json]]`; without a file the 58 problems of the reference.
 
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 //! of the leg that it picks up, and with the arc of the boom in flight, against the multi-body
 //! simulation.
 //!
-//! `cargo run --release -p saltus-tests --example planar_terms` prints mean, root mean square and
+//! `cd studies && cargo run --release --bin planar_terms` prints mean, root mean square and
 //! the greatest of the differences of apex and landing (mm).
 
 use saltus::ballistic::Flight;

@@ -1,6 +1,6 @@
 //! The drill of learnt tables: what `controller/firmware/policy.c` does in C, in Rust. The lines that both print are the same.
 //!
-//! `cargo run --release -p saltus-controller --example policy_drill -- 1000000 float`
+//! `cd studies && cargo run --release --bin policy_drill -- 1000000 float`
 
 use saltus_controller::Real;
 use saltus_controller::run::{Choices, Steps};

@@ -1,7 +1,7 @@
 //! Whether `saltus diagnose --power` says how often an effect is named: plans drawn at random, what
 //! is predicted of some of their effects, and what diagnoses of hidden ones say.
 //!
-//!     cargo run --release -p saltus-tests --example power [plans=40] [effects=4] [seed=1]
+//!     cd studies && cargo run --release --bin power [plans=40] [effects=4] [seed=1]
 //!
 //! With nothing given there are two plans of one effect each, of flights.
 

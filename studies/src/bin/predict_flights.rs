@@ -1,7 +1,7 @@
 //! Flights predicted from their first 20 samples, with gravity as believed and as other flights
 //! say.
 //!
-//!     cargo run --release -p saltus --example predict_flights -- BELIEVED FIT… -- OTHER…
+//!     cd studies && cargo run --release --bin predict_flights -- BELIEVED FIT… -- OTHER…
 //!
 //! BELIEVED is the operator's gravity (m/s²), FIT and OTHER are data folders of kind `flight` with
 //! a column `y_m`.

@@ -1,7 +1,7 @@
 //! The controller's small QPs against clarabel, on random problems, a good part of them without a
 //! solution.
 //!
-//!     cargo run --release -p saltus-tests --example qp_million -- 1000000
+//!     cd studies && cargo run --release --bin qp_million -- 1000000
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};

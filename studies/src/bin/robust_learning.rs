@@ -2,7 +2,7 @@
 //! without drawn robots; and how soon it is learnt anew after a change.
 //!
 //! ```text
-//! cargo run --release -p saltus --example robust_learning -- 30 40
+//! cd studies && cargo run --release --bin robust_learning -- 30 40
 //! ```
 //!
 //! Seeds, and trials of each in each place; 2 and 3 where nothing is given. A number is the share of the trials that come

@@ -2,7 +2,7 @@
 //! SARSA(λ) with tile coding sees more of the robot, one number after the other.
 //!
 //! ```text
-//! cargo run --release -p saltus --example seen_states -- 30 500
+//! cd studies && cargo run --release --bin seen_states -- 30 500
 //! ```
 //!
 //! Seeds and episodes; 2 and 3 where nothing is given. Rates and tilings were chosen on seeds 1001 to 1006.

@@ -1,7 +1,7 @@
 //! Learns what each leg does before boxes that a range sensor sees, and tries it on 100 other robots.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example sensed_box -- 120 1 6 2.6 1500 6 0.08 0.1 0.12
+//! cd studies && cargo run --release --bin sensed_box -- 120 1 6 2.6 1500 6 0.08 0.1 0.12
 //! ```
 //!
 //! Supply pressure (psi), nearest and farthest front of the box (m), room to run up (m), runs in each

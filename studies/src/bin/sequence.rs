@@ -2,7 +2,7 @@
 //! as found for many robots and as optimised for this one, and beside the best policy.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example sequence -- 5 30
+//! cd studies && cargo run --release --bin sequence -- 5 30
 //! ```
 //!
 //! Drawn robots after `rats-run` itself, and generations of each search: 0 and 2 where nothing is

@@ -2,7 +2,7 @@
 //! beside the thesis' two lines.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example smooth -- time 12 20
+//! cd studies && cargo run --release --bin smooth -- time 12 20
 //! ```
 //!
 //! The aim is time (to 1.6 m), speed (in the end) or gas (a metre at 3.2 m/s or more); then come how

@@ -1,7 +1,7 @@
 //! Accuracy and speed together: reference rows, random jumps, the 61 × 36 firing table, a plan over
 //! a box.
 //!
-//! `cargo run --release -p saltus-planner --example speed`, from the repository's root.
+//! `cd studies && cargo run --release --bin speed`
 
 use std::error::Error;
 use std::time::Instant;

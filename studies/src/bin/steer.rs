@@ -1,7 +1,7 @@
 //! Drawn balls with sensors that are led along a path: how many keep to it, turn as they are told, and go on after a fall.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example steer -- line 100
+//! cd studies && cargo run --release --bin steer -- line 100
 //! ```
 //!
 //! The first word is `line` (30 m straight on), `turn` (after 5 m by 60° to the left or the right), `path` (four points, 10 m

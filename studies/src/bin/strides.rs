@@ -1,7 +1,7 @@
 //! Logs of running robots, and what the diagnosis says of each: how often it names what is hidden,
 //! and how often it raises a false alarm.
 //!
-//!     cargo run --release -p saltus-tests --example strides [what=none,effects] [first=1] [seeds=1] [cause=ID] [seconds=6] [threads=1]
+//!     cd studies && cargo run --release --bin strides [what=none,effects] [first=1] [seeds=1] [cause=ID] [seconds=6] [threads=1]
 //!
 //! With nothing given it is one log without an effect.
 

@@ -1,6 +1,6 @@
 //! Fits friction and restitution to measured tosses of a cube, and scores the simulation on tosses
-//! that it was not fitted to: `tosses [FOLDER]`, from the repository's root; without a folder the
-//! twelve tosses of the reference.
+//! that it was not fitted to: `tosses [FOLDER]`; without a folder the twelve tosses of the
+//! reference.
 //!
 //! Every other toss is for the fit, in the order of their numbers; the rest are held out. A toss is
 //! rolled out from its first state, and its error is the mean distance between the centres,

@@ -2,7 +2,7 @@
 //! the one side of `tests/mujoco/run.py touch_downs`.
 //!
 //! ```text
-//! cargo run --release -p saltus-gait --example touch_downs -- STATES.csv OURS.csv 200
+//! cd studies && cargo run --release --bin touch_downs -- STATES.csv OURS.csv 200
 //! ```
 //!
 //! Rows of STATES.csv: coordinates, velocities, chamber pressures, and when each valve itself is

@@ -1,6 +1,6 @@
 //! What the simulator's answers cost: steps a second, error over CPU time, and robots of many legs.
 //!
-//! `cargo run --release -p saltus-sim-check --example work_precision` prints three tables,
+//! `cd studies && cargo run --release --bin work_precision` prints three tables,
 //! comma-separated. Times are CPU time of this thread.
 
 use std::error::Error;
