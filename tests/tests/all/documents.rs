@@ -138,8 +138,8 @@ fn texts(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Sources of the programs that `text` names: `-p PACKAGE --example NAME`, `--bin NAME` of studies/,
-/// and the study `NAME`.
+/// Sources of the programs that `text` names: examples by `--example` after their package, studies
+/// by `--bin` or by a name in backquotes.
 fn programs(text: &str) -> Vec<String> {
     let is_end = |c: char| !c.is_alphanumeric() && c != '_' && c != '-';
     let named = |word: &str| word.split(is_end).next().unwrap_or_default().to_owned();
