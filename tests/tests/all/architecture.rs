@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -35,7 +35,6 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     // Verbs of the command as functions, and jumps of the library.
     ("python", &["saltus", "saltus-cli"]),
     ("tests", ALL),
-    ("bench", ALL),
 ];
 
 /// What the library and the tests may use.
@@ -252,11 +251,8 @@ fn the_core_does_no_input_or_output() {
     assert!(looked_at > 20, "only {looked_at} files were looked at");
 }
 
-/// Every `.rs` below `folder`, which a package of benchmarks alone does not have.
+/// Every `.rs` below `folder`.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    if !folder.exists() {
-        return Vec::new();
-    }
     let entries =
         fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let paths = entries.map(|entry| entry.expect("a readable folder").path());

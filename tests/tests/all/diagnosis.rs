@@ -1,7 +1,7 @@
 //! A hidden effect is found, nothing is found where nothing is hidden, and what is not on the list
 //! is not given a name of it.
 //!
-//! A quick sample of what the example `campaign` does at length.
+//! A quick sample of what the study `campaign` does at length.
 
 use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
