@@ -4,10 +4,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 launches=${1:-3}
-target=${CARGO_TARGET_DIR:-target}
-cargo build --quiet --release -p saltus-sim-check --example work_precision
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+(cd studies && CARGO_TARGET_DIR=$target cargo build --quiet --release --bin work_precision)
 cargo build --quiet --release -p saltus-cli
 for _ in 1 2; do
-    "$target/release/examples/work_precision"
+    "$target/release/work_precision"
     target/mujoco/bin/python bench/mujoco_speed.py --binaries "$target/release" --launches "$launches"
 done

@@ -1,7 +1,7 @@
 """Speed of the package beside the library alone and beside SciPy.
 
-    cargo build --release -p saltus-bench --example many_jumps
-    python bench/python_speed.py target/release/examples/many_jumps
+    (cd studies && cargo build --release --bin many_jumps)
+    python bench/python_speed.py target/release/many_jumps
 
 Needs the installed wheel and SciPy. Everything is measured in turns, because a machine has other work; what
 counts are the ratios. SciPy integrates the same stance by DOP853 at a tolerance that gives 1e-9, each
@@ -142,7 +142,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("library", help="the built example many_jumps")
+    parser.add_argument("library", help="the built study many_jumps")
     parser.add_argument("--count", type=int, default=1_000_000, help="jumps [default: 1000000]")
     parser.add_argument("--scipy", type=int, default=200, help="jumps of SciPy in each round [default: 200]")
     given = parser.parse_args()

@@ -5,8 +5,9 @@ set -euo pipefail
 others=$(realpath "${1:?usage: bench/side-by-side.sh DIR [ROUNDS]}")
 rounds=${2:-3}
 cd "$(dirname "$0")/.."
-cargo build --quiet --release -p saltus-planner --example speed
-speed=${CARGO_TARGET_DIR:-target}/release/examples/speed
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+(cd studies && CARGO_TARGET_DIR=$target cargo build --quiet --release --bin speed)
+speed=$target/release/speed
 export JUMPS="$PWD/tests/reference/jumps.csv"
 # Lines are chosen by sed, which reads to the end: a reader that stops early would end the writer, and with it this script.
 for _ in $(seq "$rounds"); do

@@ -1,5 +1,4 @@
-//! The drill of `firmware/drill.c` in Rust: the same inputs, and a hash of every bit of the
-//! answers.
+//! The drill of `firmware/drill.c` in Rust: the same inputs, and a hash of the answers.
 //!
 //!     cargo run --release -p saltus-controller --example drill -- [DECISIONS [AT_FIRING]]
 //!

@@ -1,8 +1,8 @@
 /*
  * A robot's loop at 1 kHz around the exported code: each millisecond it reads the encoder, follows the wheel, decides, and opens the valve.
  *
- * Here the robot is the multi-body simulation, at the other end of two pipes: `cargo run --release -p saltus-tests --example in_the_loop --
- * 200 ./robot`. On a robot, read_lean would be an encoder's counter and open_valve a timer's compare register.
+ * Here the robot is the multi-body simulation, at the other end of two pipes: `cd studies && cargo run --release --bin in_the_loop --
+ * 200 ../robot`. On a robot, read_lean would be an encoder's counter and open_valve a timer's compare register.
  *
  *     cc -std=c99 -O2 -fno-math-errno -Irats_planar robot.c rats_planar/saltus_controller.c -lm -o robot
  */

@@ -1,5 +1,4 @@
-//! The drill of `firmware/running.c` in Rust: the same wheels, and a hash of every bit of what is
-//! decided.
+//! The drill of `firmware/running.c` in Rust: the same wheels, and a hash of what is decided.
 //!
 //!     cargo run --release -p saltus-controller --example running_drill -- [CYCLES [double]]
 

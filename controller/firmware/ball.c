@@ -1,6 +1,6 @@
 /*
  * The drill of balls: robots that turn, tumble, stand and fall, with any feet, planes and gains, and a hash of every bit of what they know and decide.
- * The example `ball_drill` of the crate does the same in Rust.
+ * The study `ball_drill` does the same in Rust.
  */
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /*
- * A simulated ball's run once more from what its sensors said, which the example `ball_replay` of the crate saltus writes; that prints the same line.
+ * A simulated ball's run once more from what its sensors said, which the study `ball_replay` writes; that prints the same line.
  */
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /*
- * The drill of learnt tables: random tables, asked on and beside the borders of their steps, and a hash of what is chosen. The example `policy_drill` of
- * the crate does the same in Rust.
+ * The drill of learnt tables: random tables, asked on and beside the borders of their steps, and a hash of what is chosen. The study `policy_drill`
+ * does the same in Rust.
  */
 #include "counted.h"
 #include "saltus_policy.h"

@@ -3,6 +3,7 @@
 #
 #     bash controller/firmware/run.sh [DECISIONS [CYCLES]]
 #
+# The Rust programs of learnt tables and balls are in studies/, which takes minutes to build.
 # Ends with 3 where compiler or emulator are missing or do not start. TOOLS may name a folder into which `tools.sh` has unpacked both.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -11,9 +12,14 @@ decisions=${1:-20000}
 cycles=${2:-200000}
 tools=${TOOLS:-}
 tables=controller/examples/rats_planar
-target=${CARGO_TARGET_DIR:-target}
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 build=$target/firmware-drill
 mkdir -p "$build"
+
+# A program of studies/.
+study() {
+    (cd studies && CARGO_TARGET_DIR=$target cargo run --quiet --release --locked --bin "$1" -- "${@:2}")
+}
 
 # Programs of the unpacked packages find their libraries beside them.
 with_tools() {
@@ -77,7 +83,7 @@ emulated -DSTATES="$cycles" controller/firmware/policy.c >"$build/policy.txt"
 emulated -DCYCLES="$cycles" controller/firmware/ball.c "$build/saltus_ball.c" >"$build/ball.txt"
 # Seconds of a simulated run: 26 bytes a cycle, of a megabyte.
 seconds=$((cycles < 30000 ? cycles / 1000 : 30))
-cargo run --quiet --release --locked -p saltus --example ball_replay -- "$seconds" float "$build/replay" >"$build/rust_replay.txt"
+study ball_replay "$seconds" float "$build/replay" >"$build/rust_replay.txt"
 emulated -I"$build/replay" controller/firmware/ball_replay.c "$build/replay/saltus_ball.c" >"$build/replay.txt"
 sed -n 's/^# //p' "$build/replay.txt" "$build/emulated.txt" "$build/running.txt" "$build/policy.txt" "$build/ball.txt"
 
@@ -86,9 +92,9 @@ cargo run --quiet --release --locked -p saltus-controller --example drill -- "$d
 { echo 'self-test: 0'; cat "$build/rust.txt"; } >"$build/expected.txt"
 cargo run --quiet --release --locked -p saltus-controller --example running_drill -- "$cycles" >"$build/rust_running.txt"
 grep -v '^#' "$build/running.txt" | diff - "$build/rust_running.txt" || { printf 'running on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
-cargo run --quiet --release --locked -p saltus-controller --example policy_drill -- "$cycles" >"$build/rust_policy.txt"
+study policy_drill "$cycles" >"$build/rust_policy.txt"
 grep -v '^#' "$build/policy.txt" | diff - "$build/rust_policy.txt" || { printf 'a learnt table on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
-cargo run --quiet --release --locked -p saltus-controller --example ball_drill -- "$cycles" >"$build/rust_ball.txt"
+study ball_drill "$cycles" >"$build/rust_ball.txt"
 grep -v '^#' "$build/ball.txt" | diff - "$build/rust_ball.txt" || { printf 'a ball on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 grep -v '^#' "$build/replay.txt" | diff - "$build/rust_replay.txt" || { printf 'a simulated ball on a Cortex-M4F and in Rust disagrees\n' >&2; exit 1; }
 grep -v '^#' "$build/emulated.txt" | diff - "$build/expected.txt" || { printf 'Cortex-M4F and Rust disagree\n' >&2; exit 1; }

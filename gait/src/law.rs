@@ -167,7 +167,7 @@ pub struct Smooth {
 
 impl Smooth {
     /// The quickest from rest over 1.6 m, and the most sparing of gas, on robots drawn around
-    /// `rats-run`: `gait/examples/smooth.rs` finds them, and scores them on others.
+    /// `rats-run`: the study `smooth` finds them, and scores them on others.
     pub const QUICK: Smooth = Smooth {
         firing_angle: [0.6, -0.3, 10.5114],
         valve_open: [0.0637, 0.0284, 10.9578],

@@ -24,7 +24,7 @@ const RUNS: f64 = 0.5;
 
 /// What holds a speed.
 ///
-/// Found by trial on drawn robots: `gait/examples/hold_speed.rs` measures what it comes to.
+/// Found by trial on drawn robots: the study `hold_speed` measures what it comes to.
 const TIME: f64 = 0.5;
 const AHEAD: f64 = 0.5;
 const BY_ERROR: f64 = 0.05;

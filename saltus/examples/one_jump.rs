@@ -1,5 +1,4 @@
-//! One jump of the thesis' robot: how it lifts off, where it lands, what it asks of the ground, how
-//! sure all that is.
+//! One jump of the thesis' robot: lift-off, landing, demands on the ground, and their errors.
 //!
 //! `cargo run -p saltus --example one_jump`
 

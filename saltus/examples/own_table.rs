@@ -1,5 +1,4 @@
-//! A firing table for a robot of one's own, described in TOML: which angle carries it how far, at
-//! which approach rate.
+//! A firing table for a robot of one's own, described in TOML: angles by distance and approach rate.
 //!
 //! `cargo run -p saltus --example own_table`
 

@@ -1,5 +1,4 @@
-//! A plan over the thesis' box, 21 cm square: where to plant the foot, when to fire, how long to
-//! hold the valve open, and every limit held against the full model.
+//! A plan over the thesis' box, 21 cm square, with every limit held against the full model.
 //!
 //! `cargo run -p saltus --example plan_over_obstacles`
 

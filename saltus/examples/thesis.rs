@@ -3,9 +3,8 @@
 //!
 //! `cargo run --release -p saltus --example thesis`
 //!
-//! Every number is computed here but those of the thesis, which are constants with their place;
-//! every claim about ours is held against the numbers first, so that the page is not written when
-//! it would say something that is no longer so.
+//! Numbers of the thesis are constants with their place; all others are computed here. Every claim
+//! about ours is held against them first, so that no page is written that is no longer true.
 
 use std::error::Error;
 use std::fs;

@@ -1,5 +1,4 @@
-//! A course from a file, its plan, and how the plan fares in the multi-body simulation with errors
-//! drawn at random.
+//! A course from a file, its plan, and its trial in the multi-body simulation with drawn errors.
 //!
 //! `cargo run --release -p saltus --example verify_a_course`
 

@@ -353,7 +353,7 @@ def theirs(binary, folder):
             expected[1] += [] if extension is None else [extension]
             expected[2] += [] if valve is None else [float(valve)]
         for file in fixtures.all_files(place, count):
-            rows = list(csv.DictReader(command(binary.parent / "examples/mcap_numbers", file, *paths).splitlines()))
+            rows = list(csv.DictReader(command(binary.parent / "mcap_numbers", file, *paths).splitlines()))
             for path, wanted in zip(paths, expected):
                 found = [float(row[path]) for row in rows if row[path]]
                 expect(len(found) == len(wanted) and all(map(same, found, wanted)), f"{file.name}: {path}")

@@ -276,7 +276,7 @@ def speed(options):
         file = pathlib.Path(folder) / "ball.toml"
         file.write_text(dump(tables(False)))
         names = [pathlib.Path(folder) / name for name in ("states.csv", "ours.csv")]
-        command(options.example, file, *names, count, options.seed, 1e-3)
+        command(options.study, file, *names, count, options.seed, 1e-3)
         rows = list(csv.DictReader(io.StringIO(names[0].read_text())))
         ball, steps = Ball(options.binary, file, step), count * round(seconds / step)
         ratios = []
@@ -305,7 +305,7 @@ def touch_downs(options):
             file = pathlib.Path(folder) / f"ball-{scattered}.toml"
             file.write_text(dump(tables(scattered)))
             names = [pathlib.Path(folder) / name for name in ("states.csv", "ours.csv")]
-            command(options.example, file, *names, count // 2, options.seed + scattered, options.ours_step)
+            command(options.study, file, *names, count // 2, options.seed + scattered, options.ours_step)
             rows, ours = [list(csv.DictReader(io.StringIO(name.read_text()))) for name in names]
             done += compared(Ball(options.binary, file, options.ball_step), rows, ours)
     agree = [off <= SPEED and turn <= TURN for _, off, turn, _, _ in done]

@@ -2,11 +2,11 @@
 """The same jumps in Saltus' multi-body simulation and in MuJoCo, and what is between them.
 
     python3 -m venv target/mujoco && target/mujoco/bin/pip install -r tests/mujoco/requirements.txt
-    cargo build -p saltus-cli -p saltus-sim-check --bins --examples
+    cargo build && (cd studies && cargo build --bin jumps)
     target/mujoco/bin/python tests/mujoco/compare.py            # or --fast, as .ci/run does
 
 Both sides take the robot from its file: MuJoCo the bodies that `saltus export mjcf` writes and a chamber integrated in
-jump.py, Saltus its own simulation (`sim-check/examples/jumps.rs`). The robots are rats-boom, and the same without its boom.
+jump.py, Saltus its own simulation (`studies/src/bin/jumps.rs`). The robots are rats-boom, and the same without its boom.
 MuJoCo's time step is halved from run to run, and its constraints are as stiff as each step allows; differences are taken to
 the last run, and `settled` is what the last halving still changed.
 
@@ -75,7 +75,7 @@ def saltus_jumps(binaries, file, folder):
     plan = folder / "launches.csv"
     lines = [f"{one.rate},{one.lean},{one.firing_angle},{one.valve_open}" for one in launches()]
     plan.write_text("\n".join(["rate_rad_s,lean_rad,firing_angle_rad,valve_open_s", *lines]) + "\n")
-    return list(csv.DictReader(io.StringIO(run(str(binaries / "examples/jumps"), str(file), str(plan)))))
+    return list(csv.DictReader(io.StringIO(run(str(binaries / "jumps"), str(file), str(plan)))))
 
 
 def compare(name, file, binaries, folder, steps, out):
@@ -123,7 +123,7 @@ COLUMNS = (
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fast", action="store_true", help="two coarse time steps instead of four")
-    parser.add_argument("--binaries", type=pathlib.Path, default=ROOT / "target/debug", help="where saltus and examples/jumps are")
+    parser.add_argument("--binaries", type=pathlib.Path, default=ROOT / "target/debug", help="where saltus and jumps are")
     parser.add_argument("--friction", default="1", help="coefficient along the travel; inf is 2 in MuJoCo")
     parser.add_argument("--csv", type=pathlib.Path, help="write every run to this file")
     options = parser.parse_args()

@@ -156,7 +156,7 @@ def touch_downs(options):
 def against(options):
     """Whether the touch-downs of ANSWER.csv are those of Saltus' own simulation in OURS.csv.
 
-    OURS.csv and the states are written by `cargo run --release -p saltus-gait --example touch_downs`. The same leg, the axle's speed
+    OURS.csv and the states are written by `cd studies && cargo run --release --bin touch_downs`. The same leg, the axle's speed
     to 1 % and the lean to 0.01 rad in 90 % of the states; the rest are listed with the switches of contact on their way.
     """
     with open(options.ours, newline="") as ours, open(options.answer, newline="") as answer:
@@ -397,14 +397,14 @@ def parser():
     learnt.add_argument("--starts", type=int, default=30)
     learnt.add_argument("--across", type=float, default=0.0, help="friction coefficient across the travel, in both")
     rolls = add(ball)
-    rolls.add_argument("--example", default=str(ROOT / "target/release/examples/ball_touch_downs"), help="the example of this name, built")
+    rolls.add_argument("--study", default=str(ROOT / "target/release/ball_touch_downs"), help="the study of this name, built")
     rolls.add_argument("--count", type=int, default=200)
     rolls.add_argument("--seed", type=int, default=1)
     rolls.add_argument("--ours-step", type=float, default=2.5e-5, help="time step of Saltus (s)")
     rolls.add_argument("--ball-step", type=float, default=2.5e-5, help="time step of MuJoCo (s)")
     quick = add(ball_speed)
-    quick.add_argument("--example", default=str(ROOT / "target/release/examples/ball_touch_downs"), help="the example of this name, built")
-    quick.add_argument("--ours", default=str(ROOT / "target/release/examples/ball_speed"), help="the example of this name, built")
+    quick.add_argument("--study", default=str(ROOT / "target/release/ball_touch_downs"), help="the study of this name, built")
+    quick.add_argument("--ours", default=str(ROOT / "target/release/ball_speed"), help="the study of this name, built")
     quick.add_argument("--count", type=int, default=100)
     quick.add_argument("--seed", type=int, default=1)
     quick.add_argument("--rounds", type=int, default=5)

@@ -170,18 +170,18 @@ fn it_jumps_alike_from_every_rest() -> Result<(), GaitError> {
     Ok(())
 }
 
-/// The step is 12 cm high. Robots that are told so land on it where they shall, and the model says where.
+/// The box is 12 cm high. Robots that are told so land on it where they shall, and the model says where.
 #[test]
 fn it_jumps_onto_a_step() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let step = Obstacle {
-        front: 0.3,
-        length: 2.0,
+        front: 0.28,
+        length: 1.5,
         height: 0.12,
     };
     let standing = Standing::on(&robot, 0)?.before(step, &robot)?;
     let planner = Planner::new(&robot, standing, &DrawnBalls::default(), (8, 1), 2)?;
-    let target = [0.5, 0.0];
+    let target = [0.55, 0.0];
     let plan = planner.to(target, 2)?;
     let (modelled, flown) = (plan.modelled.expect("it lands"), plan.flown);
     let touch = flown.touch.expect("it lands");
@@ -201,7 +201,9 @@ fn it_jumps_onto_a_step() -> Result<(), GaitError> {
         let near = landed(&flown).is_some_and(|at| far(at, target) < 0.1);
         up += usize::from(near && flown.clearance > 0.0 && flown.rests[2] > 0.3);
     }
-    assert!(up >= 8, "{up} of 20");
+    // Of 100 robots 93 do (docs/space.md; 95 %: 86 to 97): of 20 that means 15 or more, but for one
+    // draw in a hundred.
+    assert!(up >= 15, "{up} of 20");
     Ok(())
 }
 
@@ -282,6 +284,7 @@ const BOX: Obstacle = Obstacle {
 };
 
 #[test]
+#[ignore = "nightly: 4 s"]
 fn robots_come_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let over = Over::new(&robot, BOX, BOX.front, 2)?;
@@ -311,6 +314,7 @@ fn robots_come_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), Ga
 
 /// The first push moves the places of the feet by up to as much as feet of twins are apart: wherever the box is, some jump.
 #[test]
+#[ignore = "nightly: 5 s"]
 fn the_first_push_brings_twins_before_a_box_wherever_it_is() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let over = Over::new(&robot, BOX, BOX.front + 1.0, 2)?;

@@ -209,6 +209,7 @@ fn given(crossing: &Crossing, gives: &[Give]) -> Crossing {
 }
 
 #[test]
+#[ignore = "nightly: 13 s"]
 fn the_nearest_course_has_a_plan() {
     let planner = Planner::new(Robot::rats_planar());
     let mut infeasible = 0;
@@ -425,6 +426,7 @@ fn random_course(random: &mut Random, jumps: usize) -> Crossing {
 }
 
 #[test]
+#[ignore = "nightly: 20 s"]
 fn the_search_finds_what_trying_every_sequence_of_grounds_finds() {
     let planner = Planner::new(Robot::rats_planar());
     let mut random = Random(1);

@@ -212,7 +212,7 @@ fn the_page_asks_for_nothing() {
 /// Writes the pages that `tests/animation/check` looks at into the folder that the environment
 /// names.
 #[test]
-#[ignore = "for tests/animation/check, which names a folder"]
+#[ignore = "nightly: 1 s, section browser, which names a folder"]
 fn pages_for_the_browser() {
     let folder = PathBuf::from(std::env::var(PAGES).unwrap());
     for (name, scene) in [

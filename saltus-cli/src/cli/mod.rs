@@ -150,8 +150,66 @@ pub fn main() -> ExitCode {
 }
 
 #[cfg(test)]
+#[path = "../../tests/command/named.rs"]
+mod named;
+
+#[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
+    use std::path::{Path, PathBuf};
+
+    use clap::error::ErrorKind;
+    use clap::{CommandFactory, Parser};
+
+    use super::named::named;
+
+    /// The Markdown files below `folder`.
+    fn pages(folder: &Path) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut pages = Vec::new();
+        for path in entries.map(|entry| entry.expect("an entry").path()) {
+            if path.is_dir() {
+                pages.extend(self::pages(&path));
+            } else if path.extension().is_some_and(|end| end == "md") {
+                pages.push(path);
+            }
+        }
+        pages
+    }
+
+    /// Each command that a document names is one that the command line takes. The nightly test
+    /// `every_command_in_the_documents_runs` runs them.
+    #[test]
+    fn every_command_in_the_documents_can_be_typed() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut pages = pages(&root.join("docs"));
+        let others = ["README.md", "CONTRIBUTING.md", "robots/README.md"];
+        pages.extend(others.map(|page| root.join(page)));
+        let mut parsed = 0;
+        let mut wrong = Vec::new();
+        for page in pages {
+            let text = std::fs::read_to_string(&page).expect("a page");
+            for words in named(&text) {
+                // The shell takes what follows `>` and `&&`.
+                let is_ours = |word: &String| word != ">" && word != "&&";
+                let words = words.into_iter().take_while(is_ours);
+                let line = std::iter::once("saltus".to_owned()).chain(words);
+                let line: Vec<String> = line.collect();
+                // A sentence names a flag without its value, or a command without what it needs.
+                let names_a_flag = line.last().is_some_and(|word| word.starts_with("--"));
+                match super::Cli::try_parse_from(&line).map_err(|error| (error.kind(), error)) {
+                    Ok(_) | Err((ErrorKind::DisplayHelp, _)) => {}
+                    Err((ErrorKind::InvalidValue, _)) if names_a_flag => {}
+                    Err((ErrorKind::MissingRequiredArgument, _)) if line.len() < 4 => {}
+                    Err((_, error)) => {
+                        wrong.push(format!("{}: {}: {error}", page.display(), line.join(" ")));
+                    }
+                }
+                parsed += 1;
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+        assert!(parsed > 150, "{parsed} commands");
+    }
 
     #[test]
     fn the_command_line_is_sound() {

@@ -109,6 +109,7 @@ fn misstated(folder: &Folder, inject: &str, column: &str, stated: &str) -> Value
 }
 
 #[test]
+#[ignore = "nightly: 4 s"]
 fn noise_that_is_stated_far_too_large_hides_nothing() {
     for (k, (inject, id)) in [
         (
@@ -270,6 +271,7 @@ fn numbers_are_for_people() {
 
 /// A printed chamber that leaks: no single opening describes how its pressure falls.
 #[test]
+#[ignore = "nightly: 9 s"]
 fn what_a_cause_leaves_of_a_real_chamber_is_said() {
     let folder = Folder::new("answers-left");
     let chambers = concat!(

@@ -294,6 +294,7 @@ fn maps_name_every_outcome() {
 }
 
 #[test]
+#[ignore = "nightly: 11 s"]
 fn the_answer_does_not_depend_on_the_number_of_threads() {
     let folder = Folder::new("threads");
     for line in [
@@ -530,6 +531,7 @@ fn a_table_is_verified_between_its_rows_and_the_boom_is_seen() {
 }
 
 #[test]
+#[ignore = "nightly: 6 s"]
 fn errors_scatter_the_landings_as_their_first_order_says() {
     let folder = Folder::new("verify-errors");
     let table: serde_json::Value =

@@ -8,6 +8,7 @@ use crate::common::{Folder, rows};
 const LOW: &str = "--obstacle 0.03x0.1@0.9 --legs 1 --sought-on 2 --generations 2 --robots 6";
 
 #[test]
+#[ignore = "nightly: 7 s"]
 fn the_answer_is_the_same_on_any_number_of_threads() {
     let folder = Folder::new("jump-low");
     let on = |threads: u32| {
@@ -194,6 +195,7 @@ fn a_ball_jumps_onto_a_box_from_rest() {
 }
 
 #[test]
+#[ignore = "nightly: 6 s"]
 fn a_ball_jumps_onto_a_box_out_of_a_run() {
     let folder = Folder::new("jump-run-onto");
     let line = "jump --robot rats-twelve --obstacle 0.08x4@2.2 --onto --sought-on 2 --generations 1 --robots 4 --format csv";
@@ -221,6 +223,7 @@ fn a_place_out_of_reach_has_a_nearest_one() {
 }
 
 #[test]
+#[ignore = "nightly: 8 s"]
 fn a_map_has_places_near_and_far() {
     let folder = Folder::new("jump-map");
     let line =
@@ -249,6 +252,7 @@ fn a_map_has_places_near_and_far() {
 }
 
 #[test]
+#[ignore = "nightly: 6 s"]
 fn a_ball_jumps_over_a_box_out_of_a_run() {
     let folder = Folder::new("jump-ball-box");
     let line = "jump --robot rats-twelve --obstacle 0.15x0.1@2.2 --sought-on 2 --generations 1 --robots 4 --format csv";

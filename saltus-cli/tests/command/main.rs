@@ -23,6 +23,7 @@ mod learn;
 mod logs;
 mod meaning;
 mod misleading;
+mod named;
 mod optimal;
 mod overwrites;
 mod pages;

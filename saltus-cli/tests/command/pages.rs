@@ -1,6 +1,6 @@
 //! The pages of `docs/` with blocks ```` ```console ````: what they show is what the command prints.
 //!
-//! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli pages` writes into the pages what is printed now,
+//! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli --test command pages -- --include-ignored` writes into the pages what is printed now,
 //! but for commands of which `...` leaves something out.
 
 use std::path::{Path, PathBuf};
@@ -64,13 +64,13 @@ fn the_first_page_shows_what_commands_print() {
 }
 
 #[test]
+#[ignore = "nightly: 16 s"]
 fn the_page_for_your_robot_shows_what_commands_print() {
     check("your-robot.md");
 }
 
-/// Each command has a page, which shows all of its help and an example.
-#[test]
-fn each_command_has_a_page_that_shows_what_it_prints() {
+/// Each command's name and its page.
+fn pages_of_commands() -> Vec<(String, String)> {
     let help = Folder::new("commands").run(&["--help"]).out;
     let names: Vec<&str> = help
         .lines()
@@ -82,12 +82,32 @@ fn each_command_has_a_page_that_shows_what_it_prints() {
         .filter(|name| *name != "help")
         .collect();
     assert!(names.len() > 10, "{names:?}");
-    for name in names {
-        let file = format!("commands/{name}.md");
+    let of = |name: &&str| ((*name).to_owned(), format!("commands/{name}.md"));
+    names.iter().map(of).collect()
+}
+
+/// Each command has a page, which shows all of its help.
+#[test]
+fn each_command_has_a_page_that_shows_its_help() {
+    let folder = Folder::new("commands-help");
+    for (name, file) in pages_of_commands() {
         let page = std::fs::read_to_string(docs().join(&file))
             .unwrap_or_else(|error| panic!("docs/{file}: {error}"));
         let asks = format!("$ saltus {name} --help");
-        assert!(page.contains(&asks), "docs/{file} does not show {asks}");
+        let shown = page.split_once(&asks).map(|(_, rest)| rest);
+        let shown = shown.unwrap_or_else(|| panic!("docs/{file} does not show {asks}"));
+        let shown = shown.split("```").next().unwrap_or_default().trim();
+        let help = folder.run(&[&name, "--help"]).out;
+        let help: Vec<&str> = help.lines().map(str::trim_end).collect();
+        assert_eq!(shown, help.join("\n").trim(), "docs/{file}");
+    }
+}
+
+/// The page of each command shows an example and what it prints.
+#[test]
+#[ignore = "nightly: 9 s"]
+fn each_command_has_a_page_that_shows_what_it_prints() {
+    for (_, file) in pages_of_commands() {
         check(&file);
     }
 }

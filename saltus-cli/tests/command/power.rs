@@ -56,6 +56,7 @@ fn rivals_are_named_before_the_experiment() {
 }
 
 #[test]
+#[ignore = "nightly: 5 s"]
 fn proposed_jumps_tell_more() {
     let folder = Folder::new("power-proposed");
     let effects = "--effect air-drag=0.02 --effect imbalance=0.002,1.57";

@@ -14,6 +14,7 @@ fn diagnosis(folder: &Folder, is_wrong: bool) -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 6 s"]
 fn nothing_is_wrong_with_the_robot_that_ran() {
     let folder = Folder::new("strides-none");
     folder.done(RUN, 0);
@@ -29,6 +30,7 @@ fn nothing_is_wrong_with_the_robot_that_ran() {
 
 /// The robot that ran has a heavier wheel than the one that the folder names.
 #[test]
+#[ignore = "nightly: 7 s"]
 fn a_robot_that_is_not_the_believed_one_is_found_out() {
     let folder = Folder::new("strides-mass");
     folder.done(
@@ -138,6 +140,7 @@ fn what_is_no_run_is_named() {
 }
 
 #[test]
+#[ignore = "nightly: 22 s"]
 fn synthetic_runs_have_the_effect_that_is_asked_for() {
     let folder = Folder::new("strides-inject");
     let text = folder.done(

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use saltus_sim_check::SimError;
 
-#[path = "../../examples/tosses/toss.rs"]
 mod toss;
 use toss::{Law, Toss, board_height, compare, lowest_corner, parse, read_folder, roll_out};
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// Which of our crates each crate may use. A crate that is not here may not exist.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("numeric", &[]),
     ("robot", &["numeric"]),
     ("pneumatics", &["numeric", "robot"]),
@@ -35,7 +35,6 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     // Verbs of the command as functions, and jumps of the library.
     ("python", &["saltus", "saltus-cli"]),
     ("tests", ALL),
-    ("bench", ALL),
 ];
 
 /// What the library and the tests may use.
@@ -252,11 +251,8 @@ fn the_core_does_no_input_or_output() {
     assert!(looked_at > 20, "only {looked_at} files were looked at");
 }
 
-/// Every `.rs` below `folder`, which a package of benchmarks alone does not have.
+/// Every `.rs` below `folder`.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    if !folder.exists() {
-        return Vec::new();
-    }
     let entries =
         fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let paths = entries.map(|entry| entry.expect("a readable folder").path());
@@ -393,4 +389,46 @@ fn flat(prefix: &str, path: &str) -> Vec<String> {
         }
     }
     all
+}
+
+/// Rust files below `folder` that belong to the workspace.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let is_hidden = name.is_none_or(|name| name.starts_with('.') || name == "target");
+        if path.is_dir() && !path.is_symlink() && !is_hidden {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// An ignored test says how long it takes: `.ci/nightly` runs it, and nobody else.
+#[test]
+fn every_ignored_test_is_for_the_night_and_says_its_seconds() {
+    let mut files = Vec::new();
+    sources(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join(".."),
+        &mut files,
+    );
+    let mut count = 0;
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a source");
+        for line in text.lines().map(str::trim_start) {
+            let Some(rest) = line.strip_prefix("#[ignore") else {
+                continue;
+            };
+            let reason = rest.strip_prefix(" = \"nightly: ");
+            let seconds = reason.and_then(|reason| reason.split(' ').next()?.parse::<u32>().ok());
+            assert!(
+                seconds.is_some_and(|seconds| seconds > 0),
+                "{}: {line}: write #[ignore = \"nightly: 40 s\"]",
+                file.display()
+            );
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count} ignored tests");
 }

@@ -1,7 +1,7 @@
 //! A hidden effect is found, nothing is found where nothing is hidden, and what is not on the list
 //! is not given a name of it.
 //!
-//! A quick sample of what the example `campaign` does at length.
+//! A quick sample of what the study `campaign` does at length.
 
 use saltus_diagnosis::{Diagnosis, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
@@ -27,18 +27,23 @@ fn finds(sort: Sort, hidden: &[(&str, Size)], seed: u64) {
 }
 
 #[test]
-fn nothing_is_found_where_nothing_is_hidden() {
+fn nothing_is_found_in_parts_where_nothing_is_hidden() {
     for sort in [
         Sort::Bench,
-        Sort::Hop,
-        Sort::Outcomes,
         Sort::Flight,
         Sort::Stroke,
         Sort::Slide,
         Sort::Vessel,
-        Sort::TankLeg,
     ] {
         // At one seed in twenty chance may look like an effect; not at this one.
+        finds(sort, &[], 62);
+    }
+}
+
+#[test]
+#[ignore = "nightly: 8 s"]
+fn nothing_is_found_in_jumps_where_nothing_is_hidden() {
+    for sort in [Sort::Hop, Sort::Outcomes, Sort::TankLeg] {
         finds(sort, &[], 62);
     }
 }
@@ -51,6 +56,7 @@ fn a_clear_effect_on_the_bench() {
 }
 
 #[test]
+#[ignore = "nightly: 33 s"]
 fn a_clear_effect_in_hops_and_jumps() {
     finds(Sort::Hop, &[("viscous-friction", Size::Clear)], 43);
     finds(Sort::Hop, &[("boom-flex", Size::Clear)], 43);
@@ -59,12 +65,14 @@ fn a_clear_effect_in_hops_and_jumps() {
 
 /// Two numbers a jump.
 #[test]
+#[ignore = "nightly: 27 s"]
 fn a_clear_effect_in_outcomes() {
     finds(Sort::Outcomes, &[("axle-friction", Size::Clear)], 43);
 }
 
 /// The robot already moves at the first row of its log.
 #[test]
+#[ignore = "nightly: 18 s"]
 fn a_late_sensor_in_jumps() {
     finds(Sort::Jump, &[("sensor-delay", Size::Clear)], 501);
 }
@@ -99,6 +107,7 @@ fn a_clear_effect_in_flights_and_parts() {
 
 /// Gas and legs of a robot that nothing of the diagnosis has simulated.
 #[test]
+#[ignore = "nightly: 20 s"]
 fn a_clear_effect_in_jumps_from_a_tank() {
     for id in ["tank", "tube", "series-spring"] {
         finds(Sort::TankLeg, &[(id, Size::Clear)], 44);
@@ -106,6 +115,7 @@ fn a_clear_effect_in_jumps_from_a_tank() {
 }
 
 #[test]
+#[ignore = "nightly: 10 s"]
 fn two_effects_at_once() {
     finds(
         Sort::Stroke,

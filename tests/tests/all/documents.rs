@@ -1,5 +1,5 @@
-//! The documents: every page is in the site, every block says what it holds, and what is TOML can
-//! be read.
+//! The documents: every page is in the site, every block says what it holds, what is TOML can be
+//! read, and the programs that a text names are there.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -112,4 +112,82 @@ fn rustdoc_reads_every_page_with_rust() {
             "tests/src/lib.rs lacks docs/{page}"
         );
     }
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Documents and sources below `folder`.
+fn texts(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder of the repository") {
+        let path = entry.expect("its entries, too").path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if path.is_dir() {
+            if name != "target" && !name.starts_with('.') {
+                found.extend(texts(&path));
+            }
+        } else if [".md", ".rs", ".py", ".c"]
+            .iter()
+            .any(|end| name.ends_with(end))
+        {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Sources of the programs that `text` names: examples by `--example` after their package, studies
+/// by `--bin` or by a name in backquotes.
+fn programs(text: &str) -> Vec<String> {
+    let is_end = |c: char| !c.is_alphanumeric() && c != '_' && c != '-';
+    let named = |word: &str| word.split(is_end).next().unwrap_or_default().to_owned();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let mut found = Vec::new();
+    for three in words.windows(3) {
+        match three {
+            ["--bin", "saltus", _] => {}
+            ["--bin", name, _] => found.push(format!("studies/src/bin/{}.rs", named(name))),
+            ["study", name, _] if name.starts_with('`') => {
+                found.push(format!("studies/src/bin/{}.rs", named(&name[1..])));
+            }
+            [package, "--example", name] => {
+                let crate_folder = package.strip_prefix("saltus-").unwrap_or(package);
+                found.push(format!("{crate_folder}/examples/{}.rs", named(name)));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn programs_that_texts_name_are_there() {
+    let mut looked_at = 0;
+    for path in texts(&root()) {
+        let text = fs::read_to_string(&path).expect("a text");
+        for source in programs(&text) {
+            let there = root().join(&source).exists();
+            assert!(there, "{}: there is no {source}", path.display());
+            looked_at += 1;
+        }
+    }
+    assert!(looked_at > 80, "only {looked_at} programs are named");
+}
+
+/// The table of studies/README.md begins a row for each study.
+#[test]
+fn every_study_has_its_row() {
+    let page = fs::read_to_string(root().join("studies/README.md")).expect("the page of studies");
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    let mut rows: Vec<&str> = rows.filter_map(|row| row.split('`').next()).collect();
+    rows.sort_unstable();
+    let folder = fs::read_dir(root().join("studies/src/bin")).expect("studies");
+    let mut studies: Vec<String> = folder
+        .map(|entry| entry.expect("its entries, too").path())
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    studies.sort_unstable();
+    assert_eq!(rows, studies);
 }

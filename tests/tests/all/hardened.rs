@@ -1,24 +1,22 @@
-//! No robot that a file admits and no launch at all makes the stance panic or hang.
+//! No robot that a file admits and no launch at all makes the stance panic or hang, and
+//! all routes come to the same outcome.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use saltus_lagrangian::{Batch, FINE, Launch, Stance};
+use saltus_lagrangian::{Batch, FINE, Launch, LiftOff, Stance, StanceError};
 use saltus_numeric::{Dual, Scalar};
 use saltus_robot::Robot;
 use saltus_tests::robots::{any_launch, any_ordinary, cases, jump, legal, legal_launch};
 
-/// Longer than this (on a slow machine, in a debug build) is a hang: a jump takes microseconds.
-const HANG: Duration = Duration::from_secs(5);
+/// Samples of a trace at most: 8 for each of 10,000 steps, more of which are an error, and the first.
+const MOST_SAMPLES: usize = 8 * 10_000 + 1;
 
-/// Solves in every way there is.
+/// Solves by every route: the same outcome or the same error, within the range of a stance.
 fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
-    let begin = Instant::now();
     let stance = Stance::new(robot, |_, x| x);
     let end = stance.jump(launch);
     let trace = stance.trace(launch);
-    let batch = Batch::new(robot, FINE).jumps(&[*launch; 3]);
     let dual: Stance<Dual<2>> = Stance::new(robot, |_, x| Dual::of(x));
     let of = Dual::of;
     let dual = dual.jump(&Launch {
@@ -27,16 +25,51 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
         firing_angle: of(launch.firing_angle),
         valve_open: of(launch.valve_open),
     });
-    prop_assert!(
-        begin.elapsed() < HANG,
-        "{:?} for {:?}",
-        begin.elapsed(),
-        end
-    );
     prop_assert_eq!(end.is_ok(), dual.is_ok(), "{:?} {:?}", end, dual);
-    prop_assert_eq!(batch.len(), 3);
-    let _ = trace;
+    // Step by step a stance may take too long where a closed form has its end.
+    match &trace {
+        Ok(_) => prop_assert!(end.is_ok(), "{:?}", end),
+        Err(error) => prop_assert!(
+            end.is_err() || !matches!(error, StanceError::Input { .. }),
+            "{:?} {:?}",
+            end,
+            error
+        ),
+    }
+    for other in Batch::new(robot, FINE).jumps(&[*launch; 3]) {
+        prop_assert_eq!(outcome(&end), outcome(&other), "{:?} {:?}", end, other);
+    }
+    if let (Ok(end), Ok(trace)) = (end, trace) {
+        let stroke = robot.leg.stroke;
+        prop_assert!(end.time.is_finite() && end.time >= 0.0, "{:?}", end);
+        // Where the stroke ends is found to round-off, but for strokes under a micrometre, which the
+        // first step passes by up to 0.1 mm.
+        prop_assert!(
+            stroke < 1e-6
+                || (-1e-9..=1.0 + 1e-9).contains(&(end.extension / stroke)),
+            "{:?}",
+            end
+        );
+        prop_assert!(
+            trace.samples.len() <= MOST_SAMPLES,
+            "{}",
+            trace.samples.len()
+        );
+        let increases = trace
+            .samples
+            .windows(2)
+            .all(|pair| pair[0].time <= pair[1].time);
+        prop_assert!(increases, "time goes back");
+    }
     Ok(())
+}
+
+/// The outcome, or the error without its numbers.
+fn outcome(end: &Result<LiftOff, StanceError>) -> String {
+    match end {
+        Ok(end) => format!("{:?}", end.outcome),
+        Err(error) => format!("{:?}", std::mem::discriminant(error)),
+    }
 }
 
 proptest! {

@@ -51,6 +51,7 @@ fn check_sizes(kind: Sort, ids: &[&str], seed: u64) {
 }
 
 #[test]
+#[ignore = "nightly: 7 s"]
 fn every_effect_on_a_bench_shows() {
     check_sizes(Sort::Bench, causes_of(Sort::Bench), 1);
     check_sizes(Sort::Bench, outside(Sort::Bench), 2);
@@ -66,8 +67,9 @@ fn every_effect_on_a_part_shows() {
     }
 }
 
-/// A few of each; all take minutes.
+/// A few of each.
 #[test]
+#[ignore = "nightly: 9 s"]
 fn effects_on_a_robot_show() {
     check_sizes(
         Sort::Jump,
@@ -79,7 +81,7 @@ fn effects_on_a_robot_show() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "nightly: 200 s"]
 fn every_effect_on_a_robot_shows() {
     for kind in [Sort::Hop, Sort::Jump, Sort::Outcomes] {
         for seed in 0..2 {
@@ -91,6 +93,7 @@ fn every_effect_on_a_robot_shows() {
 
 /// Some of gas, legs and sensors, and one that nobody lists.
 #[test]
+#[ignore = "nightly: 23 s"]
 fn effects_on_a_tank_leg_show() {
     let ids = [
         "tube",
@@ -103,7 +106,7 @@ fn effects_on_a_tank_leg_show() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "nightly: 200 s"]
 fn every_effect_on_a_tank_leg_shows() {
     for seed in 0..3 {
         check_sizes(Sort::TankLeg, causes_of(Sort::TankLeg), seed);
@@ -147,8 +150,18 @@ fn same(a: &Experiment, b: &Experiment) -> bool {
 }
 
 #[test]
+fn all_follows_from_the_seed_on_a_bench_and_in_a_flight() {
+    check_seeds(&[Sort::Bench, Sort::Flight]);
+}
+
+#[test]
+#[ignore = "nightly: 39 s"]
 fn all_follows_from_the_seed() {
-    for kind in SORTS {
+    check_seeds(&SORTS);
+}
+
+fn check_seeds(kinds: &[Sort]) {
+    for &kind in kinds {
         let id = causes_of(kind)[0];
         let [a, b, c] = [4, 4, 5].map(|seed| make(kind, &[(id, Size::Subtle)], seed));
         assert!(

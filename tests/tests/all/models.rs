@@ -127,7 +127,15 @@ fn what_does_not_jump_says_why() {
         assert_ne!(wanted, Outcome::Stroke);
         assert_eq!(outcome(&launch), wanted, "{launch:?}");
     }
-    assert!(planner.jump(&Launch::at_firing(5.0, 2.0, 0.1)).is_err());
+    // A leg that points into the ground is refused by both, with the angle.
+    let into_the_ground = Launch::at_firing(5.0, 2.0, 0.1);
+    for error in [
+        planner.jump(&into_the_ground).expect_err("no stance"),
+        planar.jump(&into_the_ground).expect_err("no stance"),
+    ] {
+        let error = error.to_string();
+        assert!(error.contains("rad) = 2: must be"), "{error}");
+    }
 }
 
 /// A launch from rest has neighbours on one side only.
@@ -240,6 +248,7 @@ fn planned<M: JumpModel>(planner: &Planner<M>) -> CrossingPlan<M::Flight<f64>> {
 
 /// The planar model's plan misses on the boom; the simulation's plan holds there.
 #[test]
+#[ignore = "nightly: 6 s"]
 fn a_plan_of_the_robot_on_its_boom_holds_there() {
     let radius = robot("rats-boom").body.radius;
     let plant = Plant::new(robot("rats-boom"), 1e-9);

@@ -34,7 +34,8 @@ enum Found {
     /// The foot of the planar model would have to be pulled; the simulation lets go there, and
     /// agrees up to there.
     LetsGo,
-    /// Two events within [`NEAR`]: which comes first is not the models' to say.
+    /// Two events within [`NEAR`]: the simulation has the one that a neighbour of the planar model
+    /// has first.
     Tie,
 }
 
@@ -241,19 +242,25 @@ fn compare(robot: &Robot, launch: &Launch, worst: &mut f64) -> Result<Found, Str
         .filter_map(|(robot, launch)| planar(robot, launch))
         .collect();
     let pulls = |normal: f64| normal < -PULL * robot.body.mass * robot.environment.gravity;
-    let is_tie = near
-        .iter()
-        .any(|(other, n)| other.outcome != end.outcome || pulls(*n) != pulls(normal));
     let report = simulated(&still, launch).map_err(|e| format!("{e}, for {end:?}"))?;
-    let result = if pulls(normal) && !matches!(end.outcome, Outcome::EarlyLiftOff) {
-        check_let_go(&still, launch, &end, &report, worst).map(|()| Found::LetsGo)
-    } else {
-        check_same(&still, launch, &end, &near, &report, worst).map(|()| Found::Agrees)
+    let mut check = |end: &LiftOff, normal: f64| {
+        if pulls(normal) && !matches!(end.outcome, Outcome::EarlyLiftOff) {
+            check_let_go(&still, launch, end, &report, worst).map(|()| Found::LetsGo)
+        } else {
+            check_same(&still, launch, end, &near, &report, worst).map(|()| Found::Agrees)
+        }
     };
+    let mut result = check(&end, normal);
+    for (other, other_normal) in &near {
+        let differs = other.outcome != end.outcome || pulls(*other_normal) != pulls(normal);
+        if result.is_err() && differs && check(other, *other_normal).is_ok() {
+            result = Ok(Found::Tie);
+        }
+    }
     if robot.environment.drag > 0.0 && end.outcome.is_jump() {
         check_drag(&robot, launch)?;
     }
-    if is_tie { Ok(Found::Tie) } else { result }
+    result
 }
 
 fn check_same(
@@ -444,6 +451,7 @@ fn a_plan_is_what_the_simulation_flies() {
         .ok()
         .map_or(0, |n| n.parse().expect("a number"));
     let (mut counts, mut wrong, mut worst) = (BTreeMap::new(), Vec::new(), 0.0);
+    let mut ties = 0;
     for i in from..count {
         let kind = Kind::ALL[i % Kind::ALL.len()];
         let mut seed = [0; 32];
@@ -451,13 +459,12 @@ fn a_plan_is_what_the_simulation_flies() {
         let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
         let mut runner = TestRunner::new_with_rng(ProptestConfig::default(), rng);
         let (robot, launch) = case(kind).new_tree(&mut runner).expect("a case").current();
-        let began = std::time::Instant::now();
         match compare(&robot, &launch, &mut worst) {
-            Ok(found) => *counts.entry((format!("{kind:?}"), found)).or_insert(0) += 1,
+            Ok(found) => {
+                ties += usize::from(found == Found::Tie);
+                *counts.entry((format!("{kind:?}"), found)).or_insert(0) += 1;
+            }
             Err(error) => wrong.push(format!("case {i}, {kind:?}: {error}")),
-        }
-        if began.elapsed().as_secs_f64() > 5.0 {
-            println!("case {i} took {:?}", began.elapsed());
         }
     }
     println!(
@@ -465,4 +472,6 @@ fn a_plan_is_what_the_simulation_flies() {
         wrong.len()
     );
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // Events that a change of 2 ppm swaps are rare: one case in twenty is generous.
+    assert!(20 * ties <= count - from, "{ties} ties: {counts:?}");
 }

@@ -154,39 +154,6 @@ proptest! {
     }
 }
 
-/// One function on the way that is not inlined is compiled for the base: its multiply-adds are
-/// calls, and a jump takes forty times as long.
-#[test]
-fn lanes_are_faster_than_jumps_one_by_one() {
-    if !Width::best().fuses() {
-        return;
-    }
-    let robot = Robot::rats_planar();
-    let batch = Batch::new(&robot, PLANNING_TOLERANCE);
-    let at = |i: i32| Launch::at_firing(3.0 + 0.003 * f64::from(i), -0.1, 0.1);
-    let launches: Vec<Launch> = (0..1000).map(at).collect();
-    let least = |work: &dyn Fn() -> usize| {
-        let time = |_| {
-            let start = std::time::Instant::now();
-            assert_eq!(std::hint::black_box(work()), launches.len());
-            start.elapsed().as_secs_f64()
-        };
-        (0..7).map(time).fold(f64::INFINITY, f64::min)
-    };
-    let together = least(&|| batch.jumps(&launches).len());
-    let one_by_one = least(&|| {
-        launches
-            .iter()
-            .map(|launch| batch.stance().jump(launch))
-            .collect::<Vec<_>>()
-            .len()
-    });
-    assert!(
-        together < one_by_one,
-        "{together} s, one by one {one_by_one} s"
-    );
-}
-
 /// What a jump is differentiated by.
 #[derive(Clone, Copy, Debug)]
 enum Direction {

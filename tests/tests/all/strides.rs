@@ -26,11 +26,13 @@ fn nothing_is_wrong_with_a_robot_that_speeds_up() {
 }
 
 #[test]
+#[ignore = "nightly: 9 s"]
 fn nothing_is_wrong_with_a_robot_under_a_closed_loop() {
     is_sound("closed loop", 8);
 }
 
 #[test]
+#[ignore = "nightly: 9 s"]
 fn nothing_is_wrong_with_a_robot_that_was_pushed() {
     is_sound("fixed", 106);
 }

@@ -1,0 +1,244 @@
+//! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis
+//! says of each.
+//!
+//!     cd studies && cargo run --release --bin campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4]
+//!
+//! With nothing given it runs flights only; with `noise=untold` the folders do not say how much
+//! their columns scatter; `discrepancy` adds a smooth process to every column, in standard
+//! deviations of a reading, that no cause explains.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use saltus_diagnosis::{Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
+use saltus_robot::Robot;
+use saltus_tests::lab::{self, Case, Size};
+use saltus_tests::verdict;
+
+/// What was hidden, and what was said.
+#[derive(Default)]
+struct Tally {
+    sets: usize,
+    right: usize,
+    alone: usize,
+    parameters: usize,
+    within: usize,
+    intervals: usize,
+    inside: usize,
+    gains: usize,
+    at_noise: usize,
+    wrong: Vec<String>,
+    /// Of each effect: how often it was hidden, named alone, named with rivals; and what was said
+    /// else.
+    by_effect: BTreeMap<String, (usize, usize, usize, Vec<String>)>,
+}
+
+fn option(name: &str) -> Option<String> {
+    std::env::args().find_map(|a| a.strip_prefix(&format!("{name}=")).map(str::to_owned))
+}
+
+fn number(name: &str, default: u64) -> u64 {
+    option(name).and_then(|x| x.parse().ok()).unwrap_or(default)
+}
+
+fn lists(name: &str, value: &str) -> bool {
+    option(name).is_none_or(|list| list.split(',').any(|x| x.eq_ignore_ascii_case(value)))
+}
+
+#[expect(clippy::too_many_lines, reason = "one experiment")]
+fn main() {
+    let (first, seeds) = (number("first", 1), number("seeds", 1));
+    let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();
+    for sort in lab::SORTS {
+        let name = sort.spec().id.to_owned();
+        let wanted = option("kind").unwrap_or_else(|| "flight".into());
+        if wanted != "all" && !wanted.split(',').any(|x| x == name) {
+            continue;
+        }
+        for seed in first..first + seeds {
+            if lists("what", "none") {
+                one(&mut table, &name, "none", sort, &[], seed);
+            }
+            for (what, size) in [("clear", Size::Clear), ("subtle", Size::Subtle)] {
+                for id in lab::causes_of(sort)
+                    .iter()
+                    .filter(|id| lists("cause", id) && lists("what", what))
+                {
+                    one(&mut table, &name, what, sort, &[(*id, size)], seed);
+                }
+            }
+            for (what, size) in [("outside", Size::Large), ("outside, clear", Size::Clear)] {
+                for id in lab::outside(sort)
+                    .iter()
+                    .filter(|id| lists("cause", id) && lists("what", what))
+                {
+                    one(&mut table, &name, what, sort, &[(*id, size)], seed);
+                }
+            }
+            if lists("what", "two") {
+                let causes = lab::causes_of(sort);
+                let n = causes.len();
+                let seed_number = usize::try_from(seed).unwrap_or(0);
+                for k in 0..4 {
+                    let a = (seed_number * 7 + k * 5) % n;
+                    let b = (a + 1 + (seed_number * 3 + k * 2) % (n - 1)) % n;
+                    let pair = [a, b].map(|i| (causes[i], Size::Clear));
+                    // The same change of a flight by three names.
+                    let is_fall = |id| ["gravity", "counterweight", "encoder-scale"].contains(&id);
+                    if sort == Sort::Flight && pair.iter().all(|(id, _)| is_fall(*id)) {
+                        continue;
+                    }
+                    one(&mut table, &name, "two", sort, &pair, seed);
+                }
+            }
+        }
+    }
+    println!(
+        "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | in 95 \
+         % interval | rms at most 1.1 noise |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    for ((kind, what), t) in &table {
+        println!(
+            "| {kind} | {what} | {} | {} | {:.0} | {} | {} of {} | {} of {} | {} of {} |",
+            t.sets,
+            t.right,
+            100.0 * t.right as f64 / t.sets as f64,
+            t.alone,
+            t.within,
+            t.parameters,
+            t.inside,
+            t.intervals,
+            t.at_noise,
+            t.gains
+        );
+    }
+    println!("\n| kind | hidden | effect | sets | alone | with rivals | otherwise |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for ((kind, what), t) in table
+        .iter()
+        .filter(|((_, what), _)| what != "none" && what != "two")
+    {
+        for (effect, (sets, alone, rivals, other)) in &t.by_effect {
+            println!(
+                "| {kind} | {what} | {effect} | {sets} | {alone} | {rivals} | {} |",
+                other.join("; ")
+            );
+        }
+    }
+    for ((kind, what), t) in &table {
+        for wrong in &t.wrong {
+            println!("{kind} {what}: {wrong}");
+        }
+    }
+}
+
+fn one(
+    table: &mut BTreeMap<(String, String), Tally>,
+    name: &str,
+    what: &str,
+    sort: Sort,
+    hidden: &[(&str, Size)],
+    seed: u64,
+) {
+    let start = Instant::now();
+    let discrepancy = option("discrepancy").and_then(|x| x.parse().ok());
+    let mut case = lab::make_rough(sort, hidden, discrepancy.unwrap_or(0.0), seed);
+    if lists("noise", "untold") && option("noise").is_some() {
+        case.experiment.noise.fill(None);
+    }
+    let made = start.elapsed().as_secs_f64();
+    let robot = case.robot.as_deref().and_then(Robot::builtin);
+    let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else {
+        return;
+    };
+    let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
+    let said = found
+        .as_ref()
+        .map_or_else(|| "no motion".into(), verdict::say);
+    let tally = table.entry((name.into(), what.into())).or_default();
+    let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
+    let is_right = found
+        .as_ref()
+        .is_some_and(|d| judge(tally, kind.as_ref(), d, &case, what));
+    tally.sets += 1;
+    tally.right += usize::from(is_right);
+    let truth: Vec<String> = case
+        .truth
+        .iter()
+        .map(|t| format!("{} {:?} ({:.1} σ)", t.id, t.parameters, t.sigmas))
+        .collect();
+    let line = format!("seed {seed} {}: {said}", truth.join(" + "));
+    println!(
+        "{} {name} {what} {ids:?} {line} [{:.1} + {:.1} s]",
+        if is_right { "ok   " } else { "WRONG" },
+        made,
+        start.elapsed().as_secs_f64() - made
+    );
+    let row = tally.by_effect.entry(ids.join(" + ")).or_default();
+    row.0 += 1;
+    let all = found.as_ref().map(|d| verdict::sets(d)).unwrap_or_default();
+    match (is_right, all.as_slice()) {
+        (true, [set]) if set.len() > 1 => row.2 += 1,
+        (true, _) => row.1 += 1,
+        (false, _) => {
+            let mut ids: Vec<String> = all.iter().map(|set| set.join(" or ")).collect();
+            ids.extend(
+                found
+                    .as_ref()
+                    .and_then(|d| d.unknown.as_ref())
+                    .map(|_| "unknown".into()),
+            );
+            row.3.push(if ids.is_empty() {
+                "none".into()
+            } else {
+                ids.join(" and ")
+            });
+        }
+    }
+    if !is_right {
+        tally.wrong.push(line);
+    }
+}
+
+fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &str) -> bool {
+    if ["clear", "subtle"].contains(&what) {
+        let truth = &case.truth[0];
+        tally.alone += usize::from(verdict::sets(d) == [[truth.id]]);
+        let candidates = d
+            .findings
+            .iter()
+            .flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
+        for candidate in candidates
+            .filter(|c| kind.causes()[c.cause].id == truth.id)
+            .take(1)
+        {
+            for r in &candidate.reported {
+                if let Some((_, known)) = truth
+                    .parameters
+                    .iter()
+                    .find(|(n, _)| n.ends_with(r.name.as_str()))
+                {
+                    tally.parameters += 1;
+                    tally.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
+                    if let Some(Interval { low, high }) = r.interval {
+                        let is_inside = low.is_none_or(|low| low <= *known)
+                            && high.is_none_or(|high| *known <= high);
+                        tally.intervals += 1;
+                        tally.inside += usize::from(is_inside);
+                    }
+                }
+            }
+        }
+        for gain in &d.gains {
+            tally.gains += 1;
+            tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
+        }
+    }
+    let is_outside = what.starts_with("outside");
+    if is_outside {
+        d.unknown.is_some()
+    } else {
+        verdict::names(d, &case.truth)
+    }
+}
