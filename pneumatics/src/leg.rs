@@ -213,8 +213,9 @@ impl<S: Scalar> Leg<S> {
 }
 
 /// Terms of a leg that a plain one may have: those of [`Leg::plain_force`], of [`Leg::answers`] and of the
-/// valve's law in the chamber, and those that no stance in the plane contains.
-const PLAIN: [Term; 20] = [
+/// valve's law in the chamber, those that no stance in the plane contains, and those of a [`Feed`], which a
+/// plain leg does not have.
+const PLAIN: [Term; 24] = [
     Term::Stroke,
     Term::Delay,
     Term::ClosingDelay,
@@ -235,6 +236,10 @@ const PLAIN: [Term; 20] = [
     Term::LegCenter,
     Term::LegMass,
     Term::PickedUp,
+    Term::SpoolTime,
+    Term::TubeLength,
+    Term::TubeDiameter,
+    Term::TubeRoughness,
 ];
 
 /// Whether the leg of `robot` is a piston all of whose terms but those of [`PLAIN`] are off. A term that
