@@ -204,7 +204,8 @@ fn with_derivative(
         Direction::FiringAngle => lifted.firing_angle = Dual::variable(launch.firing_angle, 0),
         Direction::ValveOpen => lifted.valve_open = Dual::variable(launch.valve_open, 0),
     }
-    Stance::new(robot, lift).jump(&lifted)
+    let stance: Stance<Dual<2>> = Stance::new(robot, lift);
+    stance.jump(&lifted)
 }
 
 /// `robot` and `launch` with the number of a direction changed by `change`.
@@ -391,7 +392,7 @@ fn a_constant_has_no_derivative() {
     assert!(
         numbers(&robot, &end)
             .iter()
-            .all(|(_, x, _)| x.slope == [0.0]),
+            .all(|(_, x, _)| x.slope == [0.0; 2]),
         "{end:?}"
     );
 }
