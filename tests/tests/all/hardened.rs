@@ -45,8 +45,7 @@ fn try_every_way(robot: &Robot, launch: &Launch) -> Result<(), TestCaseError> {
         // Where the stroke ends is found to round-off, but for strokes under a micrometre, which the
         // first step passes by up to 0.1 mm.
         prop_assert!(
-            stroke < 1e-6
-                || (-1e-9..=1.0 + 1e-9).contains(&(end.extension / stroke)),
+            stroke < 1e-6 || (-1e-9..=1.0 + 1e-9).contains(&(end.extension / stroke)),
             "{:?}",
             end
         );

@@ -204,8 +204,7 @@ fn with_derivative(
         Direction::FiringAngle => lifted.firing_angle = Dual::variable(launch.firing_angle, 0),
         Direction::ValveOpen => lifted.valve_open = Dual::variable(launch.valve_open, 0),
     }
-    let stance: Stance<Dual<2>> = Stance::new(robot, lift);
-    stance.jump(&lifted)
+    Stance::<Dual<2>>::new(robot, lift).jump(&lifted)
 }
 
 /// `robot` and `launch` with the number of a direction changed by `change`.

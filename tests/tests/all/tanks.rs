@@ -376,7 +376,9 @@ fn derivatives_are_those_of_differences() {
             firing_angle: constant(launch.firing_angle),
             valve_open: constant(launch.valve_open),
         };
-        let end = Stance::new(&robot, lift).jump(&lifted).expect("a stance");
+        let end = Stance::<Dual<2>>::new(&robot, lift)
+            .jump(&lifted)
+            .expect("a stance");
         assert!(end.outcome != Outcome::NoBreakAway);
         let value = term.of(&robot).expect("it has it");
         let at = |x: f64| {
@@ -526,7 +528,7 @@ fn derivatives_of_a_muscle_are_those_of_differences() {
             firing_angle: constant(launch.firing_angle),
             valve_open: constant(launch.valve_open),
         };
-        let found = Stance::new(&robot, lift)
+        let found = Stance::<Dual<2>>::new(&robot, lift)
             .jump(&lifted)
             .expect("a stance")
             .extension_rate
