@@ -219,8 +219,27 @@ pub(crate) fn furnished(name: &str) -> Folder {
     folder
 }
 
-/// Commands of the documents whose answer is no, by a part of their line.
-const ANSWERS_NO: [&str; 0] = [];
+/// Commands of the documents whose answer is no.
+const ANSWERS_NO: [&str; 13] = [
+    // A cause is found.
+    "diagnose synthetic",
+    "diagnose synthetic-mcap",
+    "diagnose tests/reference/ball-drops/tennis-ball",
+    "diagnose logs/monday --report monday.html --extend rats-monday.toml",
+    "diagnose logs/monday --replan saltus/examples/box.toml --report monday.html",
+    // The thesis' robot stalls from rest.
+    "run --gait closed-loop --seconds 5 --mcap run.mcap",
+    "run --gait closed-loop --seconds 5 --plot run.svg --animate run.html",
+    "run --gait fixed --seconds 3",
+    // It does not come to 1.6 m in time.
+    "run --gait optimal --robot rats-planar --refinements 1",
+    // The box is a centimetre too high for nine robots in ten, and for the boom.
+    "jump --obstacle 0.16x0.21@1.3",
+    "plan saltus/examples/box.toml --plant rats-boom",
+    // Of a search on two robots alone.
+    "jump --robot rats-twelve --target 0.55,0 --obstacle 0.12x1.5@0.28 --sought-on 2",
+    "jump --robot rats-twelve --obstacle 0.24x0.21@2.2 --sought-on 2 --generations 1",
+];
 
 /// Flags that name a file or folder to be written.
 const WRITES: [&str; 7] = [
@@ -239,7 +258,7 @@ fn faults(folder: &Folder, words: &[String]) -> Vec<String> {
     let run = folder.run(&words.iter().map(String::as_str).collect::<Vec<_>>());
     let line = words.join(" ");
     let mut faults = Vec::new();
-    let expected = i32::from(ANSWERS_NO.iter().any(|part| line.contains(part)));
+    let expected = i32::from(ANSWERS_NO.contains(&line.as_str()));
     if run.code != Some(expected) {
         faults.push(format!(
             "exit code {:?}, not {expected}: {}",
@@ -248,7 +267,7 @@ fn faults(folder: &Folder, words: &[String]) -> Vec<String> {
     }
     let files: Vec<&String> = words
         .windows(2)
-        .filter(|pair| WRITES.contains(&pair[0].as_str()))
+        .filter(|pair| WRITES.contains(&pair[0].as_str()) && !pair[1].starts_with("--"))
         .map(|pair| &pair[1])
         .collect();
     if run.out.trim().is_empty() && files.is_empty() {
