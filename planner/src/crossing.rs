@@ -7,7 +7,6 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use saltus_ballistic::DragFlight;
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_robot::Outcome;
 
@@ -43,9 +42,9 @@ const WORK: usize = 240;
 
 /// What crossing a course comes to.
 #[derive(Clone, Debug)]
-pub enum CrossingAnswer<F = DragFlight<f64>> {
+pub enum CrossingAnswer {
     /// A plan, and how it fared in the check.
-    Plan(CrossingPlan<F>),
+    Plan(CrossingPlan),
     /// There is none.
     Infeasible {
         /// What blocks, and how the nearest course that has a plan differs.
@@ -64,16 +63,16 @@ pub enum CrossingAnswer<F = DragFlight<f64>> {
 
 /// A plan for a course.
 #[derive(Clone, Debug)]
-pub struct CrossingPlan<F = DragFlight<f64>> {
+pub struct CrossingPlan {
     /// Jump after jump.
-    pub jumps: Vec<PlannedJump<F>>,
+    pub jumps: Vec<PlannedJump>,
     /// The search's own account.
     pub search: course::Plan,
     /// Every limit, held against the full model.
     pub checks: Vec<Check>,
 }
 
-impl<F> CrossingPlan<F> {
+impl CrossingPlan {
     /// Whether every limit holds in the planner's model.
     pub fn holds(&self) -> bool {
         self.checks.iter().all(Check::holds)
@@ -82,11 +81,11 @@ impl<F> CrossingPlan<F> {
 
 /// One jump of a plan, as the full model flies it.
 #[derive(Clone, Debug)]
-pub struct PlannedJump<F = DragFlight<f64>> {
+pub struct PlannedJump {
     /// Foothold (m), and the height of its surface (m).
     pub foot: [f64; 2],
     /// The jump; its positions count from the foothold.
-    pub jump: Jump<f64, F>,
+    pub jump: Jump,
     /// Landing (m along the course), and the height of its surface (m).
     pub landing: [f64; 2],
     /// Standard deviation of the landing (m), to first order.
@@ -97,7 +96,7 @@ pub struct PlannedJump<F = DragFlight<f64>> {
 
 impl Crossing {
     /// The launches of an answer: those of the plan, or of the nearest course that has one.
-    pub fn launches<F>(&self, answer: &CrossingAnswer<F>) -> Vec<Launch> {
+    pub fn launches(&self, answer: &CrossingAnswer) -> Vec<Launch> {
         match answer {
             CrossingAnswer::Plan(plan) => plan.jumps.iter().map(|j| j.jump.launch).collect(),
             CrossingAnswer::Infeasible { relief, .. } => {
@@ -144,16 +143,13 @@ pub enum CrossingError {
     },
 }
 
-impl<M: JumpModel> Planner<M> {
+impl Planner<dyn JumpModel> {
     /// Plans `crossing`.
     ///
     /// # Errors
     /// [`CrossingError`] for a value outside its domain. A course without a plan is an answer, not
     /// an error.
-    pub fn cross(
-        &self,
-        crossing: &Crossing,
-    ) -> Result<CrossingAnswer<M::Flight<f64>>, CrossingError> {
+    pub fn cross(&self, crossing: &Crossing) -> Result<CrossingAnswer, CrossingError> {
         self.cross_watched(crossing, &|_| ControlFlow::Continue(()))
     }
 
@@ -166,7 +162,7 @@ impl<M: JumpModel> Planner<M> {
         &self,
         crossing: &Crossing,
         watch: &Watch<'_>,
-    ) -> Result<CrossingAnswer<M::Flight<f64>>, CrossingError> {
+    ) -> Result<CrossingAnswer, CrossingError> {
         crossing.check()?;
         let crossing = &self.with_its_valve(crossing);
         Ok(match self.search(crossing, watch)? {

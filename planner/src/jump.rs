@@ -4,22 +4,32 @@ use saltus_ballistic::{DragFlight, FlightError, Trajectory};
 use saltus_lagrangian::{Launch, LiftOff};
 use saltus_numeric::{Dual, Single};
 
+use crate::flight::JumpFlight;
+
 /// A jump: the end of its stance, and the flight that follows a lift-off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jump<S = f64, F = DragFlight<S>> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jump<S = f64> {
     /// What it was given.
     pub launch: Launch<S>,
     /// How the stance ended.
     pub stance: LiftOff<S>,
     /// The flight of the wheel's centre, from the foot at (0, 0); none where the robot does not
     /// lift off.
-    pub flight: Option<F>,
+    pub flight: Option<JumpFlight<S>>,
 }
 
-impl<S: Single, F: Trajectory<S>> Jump<S, F> {
+impl<S: Single> Jump<S> {
+    /// The flight's formula; none without a flight, or of one through samples.
+    pub fn exact_flight(&self) -> Option<&DragFlight<S>> {
+        match self.flight.as_ref()? {
+            JumpFlight::Exact(flight) => Some(flight),
+            JumpFlight::Sampled(_) => None,
+        }
+    }
+
     /// Greatest height (m) of the wheel's centre above the ground; none without a flight.
     pub fn apex(&self) -> Option<S> {
-        self.flight.as_ref().map(F::apex_height)
+        self.flight.as_ref().map(JumpFlight::apex_height)
     }
 
     /// Distance (m) from the foot to where the wheel's centre comes down to `height` (m); none

@@ -111,7 +111,7 @@ fn greatest_and_rms(values: impl Iterator<Item = f64>) -> (f64, f64) {
     )
 }
 
-impl<M: JumpModel> Planner<M> {
+impl Planner<dyn JumpModel> {
     /// The linear law of each target of `request`, by least squares over its approach rates; none
     /// for a target that fewer than two of them reach.
     ///

@@ -59,7 +59,7 @@ pub struct SpotResult {
     pub friction_needed: Option<f64>,
 }
 
-impl<M: JumpModel> Planner<M> {
+impl Planner<dyn JumpModel> {
     /// The map of `request`.
     ///
     /// # Errors

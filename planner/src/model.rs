@@ -1,11 +1,11 @@
 //! The seam between a planner and what makes a robot jump.
 
-use saltus_ballistic::Trajectory;
 use saltus_lagrangian::{Launch, StanceError};
-use saltus_numeric::{Dual, Single};
+use saltus_numeric::Dual;
 use saltus_robot::Robot;
 
 use crate::course::Slope;
+use crate::flight::JumpFlight;
 use crate::jump::Jump;
 
 /// Anything that turns a launch into a lift-off, and a lift-off into a flight: the planar model, or
@@ -14,9 +14,6 @@ use crate::jump::Jump;
 /// A robot that chooses its lift-off freely, such as the hopper of [`parkour`](crate::parkour), has
 /// no launch to choose; it is a [`Jumper`](crate::course::Jumper) at once.
 pub trait JumpModel: Sync {
-    /// A flight, in plain numbers or with derivatives.
-    type Flight<S: Single>: Trajectory<S>;
-
     /// The robot that jumps.
     fn robot(&self) -> &Robot;
 
@@ -35,10 +32,10 @@ pub trait JumpModel: Sync {
     ///
     /// # Errors
     /// [`StanceError`] for a launch outside its domain, or a stance that cannot be computed.
-    fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError>;
+    fn jump(&self, launch: &Launch) -> Result<Jump, StanceError>;
 
     /// Many jumps, each as [`jump`](JumpModel::jump).
-    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Flown<Self>, StanceError>> {
+    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Jump, StanceError>> {
         launches.iter().map(|launch| self.jump(launch)).collect()
     }
 
@@ -47,37 +44,30 @@ pub trait JumpModel: Sync {
     ///
     /// # Errors
     /// As [`jump`](JumpModel::jump).
-    fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError>;
+    fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError>;
 
     /// One jump with the whole of its stance.
     ///
     /// # Errors
     /// As [`jump`](JumpModel::jump).
-    fn traced(&self, launch: &Launch) -> Result<Traced<Self>, StanceError>;
+    fn traced(&self, launch: &Launch) -> Result<Traced, StanceError>;
 
     /// One jump as the search for a plan sees it, and what friction its stance needs if
     /// `with_friction`; none where the robot does not fly.
     ///
     /// It may be ten times coarser than [`accuracy`](JumpModel::accuracy).
-    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered<Self>>;
+    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered>;
 
     /// The way of the wheel's centre in the stance of [`steered`](JumpModel::steered), from the
     /// start to the lift-off; none without a stance.
     fn steered_way(&self, launch: &Launch<Dual<2>>) -> Option<Vec<Instant<Slope>>>;
 }
 
-/// A jump of a model.
-pub type Flown<M> = Jump<f64, <M as JumpModel>::Flight<f64>>;
-
-/// A jump of a model with its derivatives by approach rate, firing angle, valve opening time and
-/// supply pressure, in this order.
-pub type SensitiveJump<M> = Jump<Dual<4>, <M as JumpModel>::Flight<Dual<4>>>;
-
 /// A jump with the whole of its stance.
 #[derive(Debug)]
-pub struct Traced<M: JumpModel + ?Sized> {
+pub struct Traced {
     /// The jump.
-    pub jump: Flown<M>,
+    pub jump: Jump,
     /// The way of the wheel's centre, from the start to the lift-off.
     pub way: Vec<Instant<f64>>,
     /// Friction coefficient that the stance needs.
@@ -87,13 +77,13 @@ pub struct Traced<M: JumpModel + ?Sized> {
 /// A jump with its derivatives by the firing angle (direction 1) and the valve opening time (2);
 /// direction 0 is kept for the foothold.
 #[derive(Debug)]
-pub struct Steered<M: JumpModel + ?Sized> {
+pub struct Steered {
     /// The wheel's centre at the lift-off (m from the foot).
     pub axle: [Slope; 2],
     /// Extension of the leg at the lift-off (m).
     pub extension: Slope,
     /// The flight.
-    pub flight: M::Flight<Slope>,
+    pub flight: JumpFlight<Slope>,
     /// Friction coefficient that the stance needs, where it was asked for.
     pub friction_needed: Option<Slope>,
 }

@@ -8,8 +8,9 @@ use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::{Robot, Term};
 
 use crate::course::Slope;
+use crate::flight::JumpFlight;
 use crate::jump::Jump;
-use crate::model::{Flown, Instant, JumpModel, SensitiveJump, Steered, Traced, widen};
+use crate::model::{Instant, JumpModel, Steered, Traced, widen};
 
 /// Error tolerance of the planner's stances: apex and landing are then right to nine digits
 /// (`bench/README.md` says how it is measured).
@@ -57,7 +58,7 @@ impl Planar {
     pub(crate) fn with_derivatives(
         &self,
         launch: Launch<Dual<4>>,
-    ) -> Result<SensitiveJump<Self>, StanceError> {
+    ) -> Result<Jump<Dual<4>>, StanceError> {
         Ok(self.fly(launch, self.sensitive.jump(&launch)?))
     }
 
@@ -67,47 +68,19 @@ impl Planar {
         &self,
         launch: &Launch,
         tank: &TankState,
-    ) -> Result<Option<(Flown<Self>, Drawn)>, StanceError> {
+    ) -> Result<Option<(Jump, Drawn)>, StanceError> {
         let drawn = self.stance().jump_from(launch, tank)?;
         Ok(drawn.map(|(end, drawn)| (self.fly(*launch, end), drawn)))
     }
 
     /// The jump whose stance ends so.
-    fn fly<S: Single>(&self, launch: Launch<S>, stance: LiftOff<S>) -> Jump<S, DragFlight<S>> {
-        let flight = stance.outcome.is_jump().then(|| {
-            let ([x, y], [vx, vy]) = (stance.axle, self.picked_up(&stance));
-            DragFlight {
-                vacuum: Flight {
-                    x,
-                    y,
-                    vx,
-                    vy,
-                    gravity: S::of(self.robot.axle_gravity()),
-                },
-                drag: S::of(self.robot.environment.drag),
-            }
-        });
+    fn fly<S: Single>(&self, launch: Launch<S>, stance: LiftOff<S>) -> Jump<S> {
+        let flight = flight_after(&self.robot, &stance).map(JumpFlight::Exact);
         Jump {
             launch,
             stance,
             flight,
         }
-    }
-
-    /// Velocity (m/s) of the wheel's centre as the robot has picked up its leg. Until then the leg
-    /// pushed M − m with the work that the stance has given to M, so that M has √(1 − m/M) of the
-    /// stance's speed along the leg (docs/model.md, "The mass of the leg").
-    fn picked_up<S: Scalar>(&self, stance: &LiftOff<S>) -> [S; 2] {
-        let picked_up = self.robot.leg.picked_up;
-        // A leg without force is dragged along, and nothing hits its stop on the ground.
-        if picked_up == 0.0 || stance.outcome != Outcome::Stroke {
-            return stance.axle_rates;
-        }
-        let lost = 1.0 - (1.0 - picked_up / self.robot.axle_mass()).sqrt();
-        let along = stance.extension_rate * S::of(lost);
-        let (sin, cos) = stance.lean.sin_cos();
-        let [vx, vy] = stance.axle_rates;
-        [vx - along * sin, vy - along * cos]
     }
 
     /// The wheel's centre in a sample of a stance.
@@ -126,9 +99,41 @@ impl Planar {
     }
 }
 
-impl JumpModel for Planar {
-    type Flight<S: Single> = DragFlight<S>;
+/// The flight of `robot` after a stance that ended so; none where it does not lift off.
+pub fn flight_after<S: Single>(robot: &Robot, stance: &LiftOff<S>) -> Option<DragFlight<S>> {
+    if !stance.outcome.is_jump() {
+        return None;
+    }
+    let ([x, y], [vx, vy]) = (stance.axle, picked_up(robot, stance));
+    Some(DragFlight {
+        vacuum: Flight {
+            x,
+            y,
+            vx,
+            vy,
+            gravity: S::of(robot.axle_gravity()),
+        },
+        drag: S::of(robot.environment.drag),
+    })
+}
 
+/// Velocity (m/s) of the wheel's centre as the robot has picked up its leg. Until then the leg
+/// pushed M − m with the work that the stance has given to M, so that M has √(1 − m/M) of the
+/// stance's speed along the leg (docs/model.md, "The mass of the leg").
+fn picked_up<S: Scalar>(robot: &Robot, stance: &LiftOff<S>) -> [S; 2] {
+    let picked_up = robot.leg.picked_up;
+    // A leg without force is dragged along, and nothing hits its stop on the ground.
+    if picked_up == 0.0 || stance.outcome != Outcome::Stroke {
+        return stance.axle_rates;
+    }
+    let lost = 1.0 - (1.0 - picked_up / robot.axle_mass()).sqrt();
+    let along = stance.extension_rate * S::of(lost);
+    let (sin, cos) = stance.lean.sin_cos();
+    let [vx, vy] = stance.axle_rates;
+    [vx - along * sin, vy - along * cos]
+}
+
+impl JumpModel for Planar {
     fn robot(&self) -> &Robot {
         &self.robot
     }
@@ -137,23 +142,23 @@ impl JumpModel for Planar {
         ACCURACY
     }
 
-    fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError> {
+    fn jump(&self, launch: &Launch) -> Result<Jump, StanceError> {
         Ok(self.fly(*launch, self.stance().jump(launch)?))
     }
 
-    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Flown<Self>, StanceError>> {
+    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Jump, StanceError>> {
         let ends = self.batch.jumps(launches).into_iter();
         ends.zip(launches)
             .map(|(end, launch)| Ok(self.fly(*launch, end?)))
             .collect()
     }
 
-    fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError> {
+    fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError> {
         self.with_derivatives(launch.variables())
     }
 
     /// Every phase is stepped through, closed forms left aside.
-    fn traced(&self, launch: &Launch) -> Result<Traced<Self>, StanceError> {
+    fn traced(&self, launch: &Launch) -> Result<Traced, StanceError> {
         let trace = self.stance().trace(launch)?;
         Ok(Traced {
             jump: self.fly(*launch, trace.lift_off),
@@ -162,14 +167,14 @@ impl JumpModel for Planar {
         })
     }
 
-    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered<Self>> {
+    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered> {
         let (end, friction) = if with_friction {
             let (end, contact) = self.steered.contact(launch).ok()?;
             (end, Some(contact.friction_needed))
         } else {
             (self.steered.jump(launch).ok()?, None)
         };
-        let DragFlight { vacuum, drag } = self.fly(*launch, end).flight?;
+        let DragFlight { vacuum, drag } = flight_after(&self.robot, &end)?;
         let flight = DragFlight {
             vacuum: Flight {
                 x: widen(vacuum.x),
@@ -183,7 +188,7 @@ impl JumpModel for Planar {
         Some(Steered {
             axle: end.axle.map(widen),
             extension: widen(end.extension),
-            flight,
+            flight: JumpFlight::Exact(flight),
             friction_needed: friction.map(widen),
         })
     }

@@ -1,14 +1,21 @@
 //! A robot, ready to plan its jumps.
 
+use std::ops::Deref;
+
 use saltus_lagrangian::{Drawn, Launch, Stance, StanceError, TankState};
+use saltus_numeric::Dual;
 use saltus_robot::Robot;
 
-use crate::model::{Flown, JumpModel, SensitiveJump};
+use crate::jump::Jump;
+use crate::model::JumpModel;
 use crate::planar::Planar;
 
 /// A robot, ready to plan its jumps: by the planar model, or by another [`JumpModel`].
+///
+/// What it answers is written once for all models, and is compiled here: `Planner<dyn JumpModel>`,
+/// which every planner is by reference.
 #[derive(Clone, Debug)]
-pub struct Planner<M = Planar> {
+pub struct Planner<M: ?Sized = Planar> {
     model: M,
 }
 
@@ -32,7 +39,7 @@ impl Planner {
         &self,
         launch: &Launch,
         tank: &TankState,
-    ) -> Result<Option<(Flown<Planar>, Drawn)>, StanceError> {
+    ) -> Result<Option<(Jump, Drawn)>, StanceError> {
         self.model.jump_from(launch, tank)
     }
 }
@@ -43,16 +50,28 @@ impl<M: JumpModel> Planner<M> {
         Planner { model }
     }
 
-    /// What makes the robot jump.
-    pub fn model(&self) -> &M {
-        &self.model
-    }
-
     /// The same, to change.
     pub(crate) fn model_mut(&mut self) -> &mut M {
         &mut self.model
     }
+}
 
+impl<M: ?Sized> Planner<M> {
+    /// What makes the robot jump.
+    pub fn model(&self) -> &M {
+        &self.model
+    }
+}
+
+impl<M: JumpModel + 'static> Deref for Planner<M> {
+    type Target = Planner<dyn JumpModel>;
+
+    fn deref(&self) -> &Self::Target {
+        self
+    }
+}
+
+impl Planner<dyn JumpModel> {
     /// The robot.
     pub fn robot(&self) -> &Robot {
         self.model.robot()
@@ -79,7 +98,7 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// # Errors
     /// As [`JumpModel::jump`].
-    pub fn jump(&self, launch: &Launch) -> Result<Flown<M>, StanceError> {
+    pub fn jump(&self, launch: &Launch) -> Result<Jump, StanceError> {
         self.model.jump(launch)
     }
 
@@ -87,7 +106,7 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// # Errors
     /// Each as [`JumpModel::jump`].
-    pub fn jumps(&self, launches: &[Launch]) -> Vec<Result<Flown<M>, StanceError>> {
+    pub fn jumps(&self, launches: &[Launch]) -> Vec<Result<Jump, StanceError>> {
         self.model.jumps(launches)
     }
 
@@ -96,7 +115,7 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// # Errors
     /// As [`JumpModel::jump`].
-    pub fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<M>, StanceError> {
+    pub fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError> {
         self.model.sensitive_jump(launch)
     }
 }

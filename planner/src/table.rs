@@ -1,14 +1,14 @@
 //! Firing tables: the firing angles that reach a distance, or clear an obstacle, over approach
 //! rates.
 
-use saltus_ballistic::{Disc, DragFlight, Obstacle, Trajectory};
+use saltus_ballistic::{Disc, Obstacle, Trajectory};
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::{self, in_chunks};
 use saltus_numeric::refused;
 use saltus_robot::Robot;
 
 use crate::jump::{Jump, Sensitivity};
-use crate::model::{Flown, JumpModel};
+use crate::model::JumpModel;
 use crate::planner::Planner;
 use crate::proxy::{Branch, NODES, Piece, nodes};
 
@@ -103,20 +103,20 @@ pub const FIRING_ANGLES: (f64, f64) = (-0.6, 0.8);
 
 /// A firing table: for each approach rate in turn, each target in turn.
 #[derive(Clone, Debug)]
-pub struct Table<F = DragFlight<f64>> {
+pub struct Table {
     /// The cells, `targets` within `rates`.
-    pub cells: Vec<Cell<F>>,
+    pub cells: Vec<Cell>,
 }
 
 /// The answer for one approach rate and target.
 #[derive(Clone, Debug)]
-pub struct Cell<F = DragFlight<f64>> {
+pub struct Cell {
     /// Approach rate ω (rad/s).
     pub rate: f64,
     /// Value of the measure that is wanted (m).
     pub target: f64,
     /// The firing angles that serve, ascending; none where no angle does.
-    pub entries: Vec<Entry<F>>,
+    pub entries: Vec<Entry>,
     /// Where no angle serves: the nearest value (m) that is reached, and how; none where no jump
     /// has a value.
     pub nearest: Option<Nearest>,
@@ -127,9 +127,9 @@ pub struct Cell<F = DragFlight<f64>> {
 
 /// A firing angle that serves.
 #[derive(Clone, Debug)]
-pub struct Entry<F = DragFlight<f64>> {
+pub struct Entry {
     /// The jump at this angle; it was computed, not interpolated.
-    pub jump: Jump<f64, F>,
+    pub jump: Jump,
     /// What its measure comes to (m): the target, to the planner's tolerance.
     pub value: f64,
     /// Sensitivity of the measured distance and of the apex, where asked for and the measure is a
@@ -179,7 +179,7 @@ const NARROW: f64 = 1e-4;
 
 impl Measure {
     /// The measure of a jump of `robot`; none where it has none.
-    pub fn of<F: Trajectory<f64>>(&self, robot: &Robot, jump: &Jump<f64, F>) -> Option<f64> {
+    pub fn of(&self, robot: &Robot, jump: &Jump) -> Option<f64> {
         let value = match self {
             Measure::Distance { landing_height } => jump.distance(*landing_height),
             Measure::Clearance { obstacle } => {
@@ -197,7 +197,7 @@ impl Measure {
     }
 }
 
-impl<M: JumpModel> Planner<M> {
+impl Planner<dyn JumpModel> {
     /// The firing table of `request`.
     ///
     /// Each row is sampled at Chebyshev points of the firing angle; pieces end where the outcome
@@ -207,7 +207,7 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// # Errors
     /// [`TableError`] for a request outside its domain.
-    pub fn table(&self, request: &TableRequest) -> Result<Table<M::Flight<f64>>, TableError> {
+    pub fn table(&self, request: &TableRequest) -> Result<Table, TableError> {
         self.tabulate(request, None)
     }
 
@@ -221,7 +221,7 @@ impl<M: JumpModel> Planner<M> {
         &self,
         request: &TableRequest,
         reference_lean: f64,
-    ) -> Result<Table<M::Flight<f64>>, TableError> {
+    ) -> Result<Table, TableError> {
         self.tabulate(request, Some(reference_lean))
     }
 
@@ -229,7 +229,7 @@ impl<M: JumpModel> Planner<M> {
         &self,
         request: &TableRequest,
         reference_lean: Option<f64>,
-    ) -> Result<Table<M::Flight<f64>>, TableError> {
+    ) -> Result<Table, TableError> {
         request.check()?;
         let cells = |rates: &[f64]| Rows::new(self, request, reference_lean, rates).cells();
         let parts = in_chunks(&request.rates, ROWS, request.threads, cells);
@@ -288,8 +288,8 @@ impl TableRequest {
 }
 
 /// Rows of a table in the making.
-struct Rows<'a, M: JumpModel> {
-    planner: &'a Planner<M>,
+struct Rows<'a> {
+    planner: &'a Planner<dyn JumpModel>,
     request: &'a TableRequest,
     /// Where the rates count (rad); none: where the request's stances start.
     reference_lean: Option<f64>,
@@ -301,12 +301,12 @@ struct Rows<'a, M: JumpModel> {
 }
 
 /// A firing angle on its way to being solved.
-struct Candidate<F> {
+struct Candidate {
     cell: usize,
     row: usize,
     branch: Branch,
     angle: f64,
-    found: Option<Entry<F>>,
+    found: Option<Entry>,
 }
 
 /// What must stay the same for a result to be a smooth function of the firing angle: the outcome,
@@ -314,11 +314,9 @@ struct Candidate<F> {
 type Label = (saltus_lagrangian::Outcome, bool);
 
 /// A candidate of a model.
-type CandidateOf<M> = Candidate<<M as JumpModel>::Flight<f64>>;
-
-impl<'a, M: JumpModel> Rows<'a, M> {
+impl<'a> Rows<'a> {
     fn new(
-        planner: &'a Planner<M>,
+        planner: &'a Planner<dyn JumpModel>,
         request: &'a TableRequest,
         reference_lean: Option<f64>,
         rates: &'a [f64],
@@ -358,7 +356,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
         0.25 * self.accuracy()
     }
 
-    fn label(&self, jump: &Flown<M>) -> Label {
+    fn label(&self, jump: &Jump) -> Label {
         let end = &jump.stance;
         let closing =
             end.time_fire + self.planner.robot().leg.shutting_delay() + self.request.valve_open;
@@ -396,7 +394,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
         row: usize,
         low: f64,
         high: f64,
-        jumps: &[Result<Flown<M>, StanceError>],
+        jumps: &[Result<Jump, StanceError>],
         next: &mut Vec<(usize, f64, f64)>,
     ) {
         self.takes_off[row] |= jumps.iter().flatten().any(|jump| jump.flight.is_some());
@@ -460,9 +458,9 @@ impl<'a, M: JumpModel> Rows<'a, M> {
     }
 
     /// Every cell of these rows.
-    fn cells(&self) -> Vec<Cell<M::Flight<f64>>> {
+    fn cells(&self) -> Vec<Cell> {
         let targets = &self.request.targets;
-        let mut cells: Vec<Cell<_>> = Vec::with_capacity(self.rates.len() * targets.len());
+        let mut cells: Vec<Cell> = Vec::with_capacity(self.rates.len() * targets.len());
         let mut candidates = Vec::new();
         for (row, &rate) in self.rates.iter().enumerate() {
             let mut branches = Vec::new();
@@ -518,7 +516,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
 
     /// Confirms each candidate with a jump, correcting it by the interpolant's slope until one
     /// does.
-    fn solve(&self, candidates: &mut [CandidateOf<M>]) {
+    fn solve(&self, candidates: &mut [Candidate]) {
         let mut open: Vec<usize> = (0..candidates.len()).collect();
         for _ in 0..4 {
             let launches: Vec<Launch> = open
@@ -542,12 +540,12 @@ impl<'a, M: JumpModel> Rows<'a, M> {
         }
     }
 
-    fn target(&self, candidate: &CandidateOf<M>) -> f64 {
+    fn target(&self, candidate: &Candidate) -> f64 {
         self.request.targets[candidate.cell % self.request.targets.len()]
     }
 
     /// Whether `jump` solves the candidate; if not, moves its angle.
-    fn confirm(&self, candidate: &mut CandidateOf<M>, jump: Flown<M>) -> bool {
+    fn confirm(&self, candidate: &mut Candidate, jump: Jump) -> bool {
         let Some(value) = self.request.measure.of(self.planner.robot(), &jump) else {
             return false;
         };
@@ -570,7 +568,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
 
     /// Solves a candidate by bisection on the jumps themselves: where the interpolant's slope leads
     /// nowhere (a kink, or the very top of the reachable).
-    fn bisect(&self, candidate: &mut CandidateOf<M>) {
+    fn bisect(&self, candidate: &mut Candidate) {
         let target = self.target(candidate);
         let look = |angle: f64| {
             let jump = self.planner.jump(&self.launch(candidate.row, angle)).ok()?;
@@ -579,7 +577,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
         };
         let (mut a, mut b) = (candidate.branch.low, candidate.branch.high);
         let rising = candidate.branch.at_high > candidate.branch.at_low;
-        let mut best: Option<Entry<_>> = None;
+        let mut best: Option<Entry> = None;
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
             let Some((jump, value)) = look(middle) else {
@@ -606,7 +604,7 @@ impl<'a, M: JumpModel> Rows<'a, M> {
     }
 
     /// Gives each entry its sensitivities.
-    fn differentiate(&self, cells: &mut [Cell<M::Flight<f64>>]) {
+    fn differentiate(&self, cells: &mut [Cell]) {
         let Measure::Distance { landing_height } = self.request.measure else {
             return;
         };

@@ -8,6 +8,7 @@ use pyo3::types::{PyAnyMethods, PyDict, PyDictMethods};
 use pyo3::{Bound, PyAny, PyResult, Python, pyclass, pyfunction, pymethods};
 use saltus::lagrangian::Batch;
 use saltus::numeric::parallel::in_chunks;
+use saltus::planner::flight_after;
 use saltus::{DragFlight, Flight, Launch, LiftOff, Outcome, StanceError};
 
 use crate::detached::detached;
@@ -335,13 +336,12 @@ fn read(columns: &[PyReadonlyArray1<'_, f64>]) -> PyResult<Vec<Launch>> {
 
 /// What comes of a stance: outcome and numbers of a row of `saltus simulate`, NaN where empty.
 fn row(robot: &Robot, end: &LiftOff) -> (Outcome, [f64; COLUMNS]) {
-    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
-    if !end.outcome.is_jump() {
+    let Some(flight) = flight_after(&robot.model, end) else {
         let mut row = [f64::NAN; COLUMNS];
         row[0] = end.time_fire;
         return (end.outcome, row);
-    }
-    let flight = flight_of(&robot.model, [x, y, vx, vy]);
+    };
+    let Flight { x, y, vx, vy, .. } = flight.vacuum;
     let land = |height| flight.range_to_height(height).unwrap_or(f64::NAN);
     let row = [
         end.time_fire,

@@ -67,7 +67,7 @@ pub use saltus_robot as robot;
 pub use saltus_sim_check as sim_check;
 pub use saltus_telemetry as telemetry;
 
-pub use saltus_ballistic::{DragFlight, Flight, FlightError};
+pub use saltus_ballistic::{DragFlight, Flight, FlightError, Trajectory};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};
 pub use saltus_planner::{Jump, Planner};
 pub use saltus_robot::{Robot, RobotError, resolve};

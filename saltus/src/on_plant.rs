@@ -29,9 +29,9 @@ use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::in_chunks;
 use saltus_planner::course::{Span, Watch};
 use saltus_planner::{
-    Cell, Corrected, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingError,
-    CrossingPlan, Effort, Entry, Jump, JumpModel, LaunchRange, Law, LawPoint, Measure, Nearest,
-    Planar, PlannedJump, Planner, TableError, TableRequest,
+    Cell, Corrected, Correction, Crossing, CrossingAnswer, CrossingError, CrossingPlan, Effort,
+    Entry, Jump, JumpModel, LaunchRange, Law, LawPoint, Measure, Nearest, Planar, PlannedJump,
+    Planner, TableError, TableRequest,
 };
 use saltus_robot::Robot;
 use saltus_sim_check::SimError;
@@ -69,7 +69,7 @@ pub struct OnPlant {
 }
 
 /// A jump of a plant.
-pub type PlantJump = Jump<f64, CorrectedFlight<f64>>;
+pub type PlantJump = Jump;
 
 /// A plant that answers for this robot cannot hold on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -135,10 +135,7 @@ impl OnPlant {
     /// The jumps of the plant at `launches`; none where it does not fly, or cannot be simulated.
     pub fn jumps(&self, request: &TableRequest, launches: &[Launch]) -> Vec<Option<PlantJump>> {
         let simulated = self.simulated.clone().down_to(lowest(request));
-        let jump = |launch: &Launch| {
-            let jump = simulated.jump(launch).ok()?;
-            Some(with_flight(jump, CorrectedFlight::Corrected))
-        };
+        let jump = |launch: &Launch| simulated.jump(launch).ok();
         let jumps = |some: &[Launch]| some.iter().map(jump).collect();
         let parts: Vec<Vec<_>> = in_chunks(launches, TOGETHER, request.threads, jumps);
         parts.into_iter().flatten().collect()
@@ -146,11 +143,7 @@ impl OnPlant {
 
     /// Flies every entry of `cells`: their jumps and values become the plant's. Entries that miss
     /// by more than [`CONFIRMED`] are dropped; the plant's value is the nearest then.
-    pub fn confirm(
-        &self,
-        request: &TableRequest,
-        cells: &mut [Cell<CorrectedFlight<f64>>],
-    ) -> Confirmed {
+    pub fn confirm(&self, request: &TableRequest, cells: &mut [Cell]) -> Confirmed {
         let entries = cells.iter().flat_map(|cell| &cell.entries);
         let launches: Vec<Launch> = entries.map(|entry| entry.jump.launch).collect();
         let mut jumps = self.jumps(request, &launches).into_iter();
@@ -190,8 +183,8 @@ impl OnPlant {
 
     /// Flies the nearest of each cell without an entry: its value becomes the plant's. Where it does
     /// not land, the nearest is that of the other cells of its rate.
-    fn confirm_nearest(&self, request: &TableRequest, cells: &mut [Cell<CorrectedFlight<f64>>]) {
-        let launch = |cell: &Cell<_>| {
+    fn confirm_nearest(&self, request: &TableRequest, cells: &mut [Cell]) {
+        let launch = |cell: &Cell| {
             let nearest = cell.nearest.filter(|_| cell.entries.is_empty())?;
             Some(request.launch(cell.rate, nearest.firing_angle))
         };
@@ -205,15 +198,15 @@ impl OnPlant {
                 .zip(value)
                 .map(|(nearest, value)| Nearest { value, ..nearest });
         }
-        let reached = |cell: &Cell<_>| {
-            let entry = cell.entries.first().map(|entry: &Entry<_>| Nearest {
+        let reached = |cell: &Cell| {
+            let entry = cell.entries.first().map(|entry: &Entry| Nearest {
                 value: entry.value,
                 firing_angle: entry.jump.launch.firing_angle,
             });
             Some((cell.rate, entry.or(cell.nearest)?))
         };
         let reached: Vec<(f64, Nearest)> = cells.iter().filter_map(reached).collect();
-        let lost = |cell: &&mut Cell<_>| cell.entries.is_empty() && cell.nearest.is_none();
+        let lost = |cell: &&mut Cell| cell.entries.is_empty() && cell.nearest.is_none();
         for cell in cells.iter_mut().filter(lost) {
             let off = |nearest: &Nearest| (nearest.value - cell.target).abs();
             let there = reached.iter().filter(|(rate, _)| *rate == cell.rate);
@@ -259,25 +252,13 @@ impl OnPlant {
     pub fn flown(
         &self,
         crossing: &Crossing,
-        plan: &CrossingPlan<CorrectedFlight<f64>>,
-    ) -> Result<CrossingPlan<CorrectedFlight<f64>>, CrossingError> {
+        plan: &CrossingPlan,
+    ) -> Result<CrossingPlan, CrossingError> {
         let simulated = self
             .simulated
             .clone()
             .down_to(lowest_of(self.robot(), crossing));
-        let flown = Planner::by(simulated).flown(crossing, plan)?;
-        let jumps = flown.jumps.into_iter().map(|planned| PlannedJump {
-            foot: planned.foot,
-            landing: planned.landing,
-            deviation: planned.deviation,
-            friction_needed: planned.friction_needed,
-            jump: with_flight(planned.jump, CorrectedFlight::Corrected),
-        });
-        Ok(CrossingPlan {
-            jumps: jumps.collect(),
-            search: flown.search,
-            checks: flown.checks,
-        })
+        Ok(Planner::by(simulated).flown(crossing, plan)?)
     }
 }
 
@@ -424,8 +405,8 @@ pub fn for_crossing(
 
 /// # Errors
 /// [`CrossingError::NeverFlies`] for a jump without a landing.
-fn flies(robot: &Robot, plan: &CrossingPlan<CorrectedFlight<f64>>) -> Result<(), CrossingError> {
-    let lost = |planned: &PlannedJump<_>| !planned.landing[0].is_finite();
+fn flies(robot: &Robot, plan: &CrossingPlan) -> Result<(), CrossingError> {
+    let lost = |planned: &PlannedJump| !planned.landing[0].is_finite();
     let Some(index) = plan.jumps.iter().position(lost) else {
         return Ok(());
     };
@@ -459,22 +440,13 @@ impl Confirmed {
     }
 }
 
-/// A jump with a flight of another kind.
-fn with_flight<F, G>(jump: Jump<f64, F>, flight: impl FnOnce(F) -> G) -> Jump<f64, G> {
-    Jump {
-        launch: jump.launch,
-        stance: jump.stance,
-        flight: jump.flight.map(flight),
-    }
-}
-
 /// What crossing a course comes to on a plant.
 #[derive(Debug)]
 pub struct Crossed {
     /// The planner, corrected.
     pub planner: Planner<Corrected>,
     /// Its answer; a plan is as the plant jumps it.
-    pub answer: CrossingAnswer<CorrectedFlight<f64>>,
+    pub answer: CrossingAnswer,
     /// How it was corrected; none without a plant.
     pub correction: Option<Correction>,
 }

@@ -20,7 +20,7 @@
 //! ```
 
 use saltus_planner::course::Watch;
-use saltus_planner::{Corrected, CorrectedFlight, Crossing, CrossingAnswer, Planner};
+use saltus_planner::{Corrected, Crossing, CrossingAnswer, Planner};
 use saltus_robot::Robot;
 
 use crate::on_plant::{Crossed, OnPlant, PlantError};
@@ -57,7 +57,7 @@ pub struct Flown {
     /// The planner that made it.
     pub planner: Planner<Corrected>,
     /// The plan.
-    pub subject: Subject<CorrectedFlight<f64>>,
+    pub subject: Subject,
     /// The robot that jumped.
     pub plant: Plant,
     /// Its runs.
@@ -72,7 +72,7 @@ pub enum Replanned {
     /// It was flown.
     Flown(Box<Flown>),
     /// No plan crosses the course on that robot.
-    NoPlan(Box<CrossingAnswer<CorrectedFlight<f64>>>),
+    NoPlan(Box<CrossingAnswer>),
 }
 
 impl Replanned {

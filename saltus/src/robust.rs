@@ -4,7 +4,7 @@
 //! and the plan is made with that margin.
 
 use saltus_planner::course::{Relief, Watch};
-use saltus_planner::{CorrectedFlight, Crossing, CrossingAnswer, CrossingError, CrossingPlan};
+use saltus_planner::{Crossing, CrossingAnswer, CrossingError, CrossingPlan};
 use saltus_robot::Robot;
 
 use crate::on_plant::{Crossed, OnPlant, PlantError, for_crossing};
@@ -173,7 +173,7 @@ struct Search<'a> {
     ground: Plant,
 }
 
-type Plan = CrossingPlan<CorrectedFlight<f64>>;
+type Plan = CrossingPlan;
 
 impl Search<'_> {
     fn run(&self) -> Result<Robust, RobustError> {

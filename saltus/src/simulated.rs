@@ -19,9 +19,9 @@
 
 use saltus_ballistic::{FlightSample, SampledFlight};
 use saltus_lagrangian::{Launch, LiftOff, Outcome, StanceError};
-use saltus_numeric::{Dual, Single};
+use saltus_numeric::Dual;
 use saltus_planner::course::Slope;
-use saltus_planner::{Flown, Instant, Jump, JumpModel, SensitiveJump, Steered, Traced, widen};
+use saltus_planner::{Instant, Jump, JumpFlight, JumpModel, Steered, Traced, widen};
 use saltus_robot::{Drive, Robot};
 use saltus_sim_check::{End, Plan, Report, Rig, Sample, Settings, SimError};
 
@@ -280,8 +280,6 @@ impl<const N: usize> Beside<N> {
 }
 
 impl JumpModel for Simulated {
-    type Flight<S: Single> = SampledFlight<S>;
-
     fn robot(&self) -> &Robot {
         &self.robot
     }
@@ -317,17 +315,17 @@ impl JumpModel for Simulated {
         f64::midpoint(low, high)
     }
 
-    fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError> {
+    fn jump(&self, launch: &Launch) -> Result<Jump, StanceError> {
         let run = self.run(&self.rig, launch, false)?;
         Ok(Jump {
             launch: *launch,
             stance: run.stance,
-            flight: run.flight,
+            flight: run.flight.map(JumpFlight::Sampled),
         })
     }
 
     /// By differences.
-    fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError> {
+    fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError> {
         let launch = launch.variables();
         let beside = self.beside(&launch, Some(3), false)?;
         let stance = beside.lift_off().ok_or_else(|| StanceError::Simulation {
@@ -336,17 +334,17 @@ impl JumpModel for Simulated {
         Ok(Jump {
             launch,
             stance,
-            flight: beside.flight(),
+            flight: beside.flight().map(JumpFlight::Sampled),
         })
     }
 
-    fn traced(&self, launch: &Launch) -> Result<Traced<Self>, StanceError> {
+    fn traced(&self, launch: &Launch) -> Result<Traced, StanceError> {
         let run = self.run(&self.rig, launch, true)?;
         Ok(Traced {
             jump: Jump {
                 launch: *launch,
                 stance: run.stance,
-                flight: run.flight,
+                flight: run.flight.map(JumpFlight::Sampled),
             },
             way: run
                 .way
@@ -358,7 +356,7 @@ impl JumpModel for Simulated {
         })
     }
 
-    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered<Self>> {
+    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered> {
         let beside = self.beside(launch, None, with_friction).ok()?;
         let samples = beside.flight()?.samples().to_vec();
         let wide = |s: FlightSample<Dual<2>>| FlightSample {
@@ -371,7 +369,9 @@ impl JumpModel for Simulated {
         Some(Steered {
             axle: stance.axle.map(widen),
             extension: widen(stance.extension),
-            flight: SampledFlight::new(samples.into_iter().map(wide).collect()).ok()?,
+            flight: JumpFlight::Sampled(
+                SampledFlight::new(samples.into_iter().map(wide).collect()).ok()?,
+            ),
             friction_needed: with_friction.then(friction).flatten(),
         })
     }

@@ -1,10 +1,11 @@
 //! What two models make of one launch, as numbers that change smoothly with the launch.
 
-use saltus_ballistic::{DragFlight, FlightSample, SampledFlight, Trajectory};
+use saltus_ballistic::{FlightSample, SampledFlight, Trajectory};
 use saltus_lagrangian::LiftOff;
 use saltus_numeric::Single;
 
-use crate::model::{Instant, JumpModel, Traced};
+use crate::flight::JumpFlight;
+use crate::model::{Instant, Traced};
 
 /// Parts into which a flight or a stance is divided, in time.
 const PARTS: usize = 12;
@@ -29,7 +30,7 @@ pub(super) const SHOWN: std::ops::Range<usize> = FLIGHT..WAY;
 pub(super) type Account = Vec<f64>;
 
 /// Of a traced jump that comes down to `lowest` (m); none of one that does not.
-pub(super) fn account<M: JumpModel>(traced: &Traced<M>, lowest: f64) -> Option<Account> {
+pub(super) fn account(traced: &Traced, lowest: f64) -> Option<Account> {
     let flight = traced.jump.flight.as_ref()?;
     let duration = flight.time_to_height(lowest).ok()?;
     let stance = &traced.jump.stance;
@@ -138,7 +139,7 @@ impl<S: Single> Difference<S> {
     }
 
     /// `flight`, corrected down to `lowest` (m).
-    pub(super) fn flight(&self, flight: &DragFlight<S>, lowest: f64) -> Option<SampledFlight<S>> {
+    pub(super) fn flight(&self, flight: &JumpFlight<S>, lowest: f64) -> Option<SampledFlight<S>> {
         let was = flight.time_to_height(S::of(lowest)).ok()?;
         let duration = was + self.0[DURATION];
         let knot = |k: usize| {

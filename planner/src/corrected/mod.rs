@@ -1,21 +1,19 @@
 //! The planar model, corrected by what another model makes of a few jumps.
 
 mod difference;
-mod flight;
 mod kriging;
 
-use saltus_ballistic::DragFlight;
 use saltus_lagrangian::{Launch, Outcome, StanceError};
 use saltus_numeric::{Dual, Single};
 use saltus_robot::Robot;
 
 use crate::course::{Slope, Span};
+use crate::flight::JumpFlight;
 use crate::jump::Jump;
-use crate::model::{Flown, Instant, JumpModel, SensitiveJump, Steered, Traced, widen};
+use crate::model::{Instant, JumpModel, Steered, Traced, widen};
 use crate::planar::Planar;
 use crate::planner::Planner;
 use difference::{Account, Difference, SHOWN, account};
-pub use flight::CorrectedFlight;
 use kriging::{Kriging, Place, apart};
 
 /// Error (m) of corrected jumps beside what they miss: flights are cubics in twelve parts.
@@ -154,7 +152,7 @@ impl Corrected {
     ///
     /// # Errors
     /// As [`JumpModel::jump`].
-    fn learn<T: JumpModel>(&mut self, truth: &T, launch: &Launch) -> Result<Lesson, StanceError> {
+    fn learn(&mut self, truth: &dyn JumpModel, launch: &Launch) -> Result<Lesson, StanceError> {
         let flown = match truth.traced(launch) {
             // Where a robot cannot even start, its load is on another leg.
             Err(StanceError::Simulation { .. }) => {
@@ -278,33 +276,20 @@ impl Corrected {
         nearest.came.as_ref().err().copied()
     }
 
-    fn corrected<S: Single>(
-        &self,
-        jump: Jump<S, DragFlight<S>>,
-        difference: Option<&Difference<S>>,
-    ) -> Jump<S, CorrectedFlight<S>> {
-        let Jump {
-            launch,
-            stance,
-            flight,
-        } = jump;
-        let Some((difference, flight)) = difference.zip(flight) else {
-            return Jump {
-                launch,
-                stance,
-                flight: flight.map(CorrectedFlight::Planar),
-            };
+    fn corrected<S: Single>(&self, jump: Jump<S>, difference: Option<&Difference<S>>) -> Jump<S> {
+        let Some((difference, flight)) = difference.zip(jump.flight.as_ref()) else {
+            return jump;
         };
-        let flight = difference.flight(&flight, self.lowest);
+        let flight = difference.flight(flight, self.lowest);
         Jump {
-            launch,
-            stance: difference.stance(&stance),
-            flight: flight.map(CorrectedFlight::Corrected),
+            launch: jump.launch,
+            stance: difference.stance(&jump.stance),
+            flight: flight.map(JumpFlight::Sampled),
         }
     }
 
     /// The planar model's jump for a launch, corrected.
-    fn fly(&self, launch: Launch, jump: Jump) -> Flown<Self> {
+    fn fly(&self, launch: Launch, jump: Jump) -> Jump {
         let jump = Jump { launch, ..jump };
         match self.stays(&launch).filter(|_| jump.flight.is_some()) {
             Some(outcome) => Jump {
@@ -351,9 +336,9 @@ impl Planner<Corrected> {
     ///
     /// # Errors
     /// What `answers` or a jump of `truth` refuses.
-    pub fn correct<T: JumpModel, E: From<StanceError>>(
+    pub fn correct<E: From<StanceError>>(
         &mut self,
-        truth: &T,
+        truth: &dyn JumpModel,
         effort: &Effort,
         answers: impl Fn(&Planner<Corrected>) -> Result<Vec<Launch>, E>,
     ) -> Result<Correction, E> {
@@ -407,8 +392,6 @@ impl Planner<Corrected> {
 }
 
 impl JumpModel for Corrected {
-    type Flight<S: Single> = CorrectedFlight<S>;
-
     fn robot(&self) -> &Robot {
         self.planar.robot()
     }
@@ -423,11 +406,11 @@ impl JumpModel for Corrected {
             .map_or(self.planar.accuracy(), |_| ACCURACY)
     }
 
-    fn jump(&self, launch: &Launch) -> Result<Flown<Self>, StanceError> {
+    fn jump(&self, launch: &Launch) -> Result<Jump, StanceError> {
         Ok(self.fly(*launch, self.planar.jump(&self.timed(*launch))?))
     }
 
-    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Flown<Self>, StanceError>> {
+    fn jumps(&self, launches: &[Launch]) -> Vec<Result<Jump, StanceError>> {
         let timed: Vec<Launch> = launches.iter().map(|l| self.timed(*l)).collect();
         let jumps = self.planar.jumps(&timed).into_iter().zip(launches);
         jumps
@@ -435,14 +418,14 @@ impl JumpModel for Corrected {
             .collect()
     }
 
-    fn sensitive_jump(&self, launch: &Launch) -> Result<SensitiveJump<Self>, StanceError> {
+    fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError> {
         let launch = launch.variables();
         let jump = self.planar.with_derivatives(self.timed(launch))?;
         let difference = self.difference(&launch);
         Ok(self.corrected(Jump { launch, ..jump }, difference.as_ref()))
     }
 
-    fn traced(&self, launch: &Launch) -> Result<Traced<Self>, StanceError> {
+    fn traced(&self, launch: &Launch) -> Result<Traced, StanceError> {
         let Traced {
             jump,
             way,
@@ -465,13 +448,13 @@ impl JumpModel for Corrected {
         })
     }
 
-    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered<Self>> {
+    fn steered(&self, launch: &Launch<Dual<2>>, with_friction: bool) -> Option<Steered> {
         let steered = self.planar.steered(&self.timed(*launch), with_friction)?;
         let Some(difference) = self.difference(launch) else {
             return Some(Steered {
                 axle: steered.axle,
                 extension: steered.extension,
-                flight: CorrectedFlight::Planar(steered.flight),
+                flight: steered.flight,
                 friction_needed: steered.friction_needed,
             });
         };
@@ -483,7 +466,7 @@ impl JumpModel for Corrected {
         Some(Steered {
             axle: difference.axle(steered.axle),
             extension: difference.extension(steered.extension),
-            flight: CorrectedFlight::Corrected(flight),
+            flight: JumpFlight::Sampled(flight),
             friction_needed: steered.friction_needed.map(|x| difference.friction(x)),
         })
     }

@@ -40,7 +40,7 @@ impl Check {
 }
 
 /// One jump of a plan, and where it stands and lands.
-struct Judge<'a, M: JumpModel> {
+struct Judge<'a> {
     crossing: &'a Crossing,
     radius: f64,
     jump: usize,
@@ -49,17 +49,17 @@ struct Judge<'a, M: JumpModel> {
     landing: [f64; 2],
     /// What landings keep from the ends of their ground for their scatter (m).
     keep: f64,
-    traced: &'a Traced<M>,
+    traced: &'a Traced,
     checks: &'a mut Vec<Check>,
 }
 
-impl<M: JumpModel> Planner<M> {
+impl Planner<dyn JumpModel> {
     /// Flies a plan in full and holds it against every limit.
     pub(super) fn verify(
         &self,
         crossing: &Crossing,
         search: course::Plan,
-    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+    ) -> Result<CrossingPlan, StanceError> {
         self.fly_in_full(crossing, search, |_, launch, height| {
             self.landing_deviation(launch, height)
         })
@@ -70,11 +70,11 @@ impl<M: JumpModel> Planner<M> {
     ///
     /// # Errors
     /// [`StanceError`] where a stance cannot be computed.
-    pub fn flown<F>(
+    pub fn flown(
         &self,
         crossing: &Crossing,
-        plan: &CrossingPlan<F>,
-    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+        plan: &CrossingPlan,
+    ) -> Result<CrossingPlan, StanceError> {
         self.fly_in_full(crossing, plan.search.clone(), |jump, _, _| {
             plan.jumps[jump].deviation
         })
@@ -85,7 +85,7 @@ impl<M: JumpModel> Planner<M> {
         crossing: &Crossing,
         search: course::Plan,
         deviation: impl Fn(usize, &Launch, f64) -> f64,
-    ) -> Result<CrossingPlan<M::Flight<f64>>, StanceError> {
+    ) -> Result<CrossingPlan, StanceError> {
         let (mut jumps, mut checks) = (Vec::new(), Vec::new());
         let radius = self.robot().body.radius;
         let mut foot = crossing.course.start;
@@ -138,7 +138,7 @@ impl<M: JumpModel> Planner<M> {
     }
 }
 
-impl<M: JumpModel> Judge<'_, M> {
+impl Judge<'_> {
     fn check(&mut self, what: impl Into<String>, value: f64, allowed: Span) {
         self.checks.push(Check {
             jump: self.jump,

@@ -14,7 +14,8 @@ use saltus_lagrangian::Launch;
 
 use super::Crossing;
 use crate::course::{Envelope, Leap, Span};
-use crate::model::{Flown, JumpModel};
+use crate::jump::Jump;
+use crate::model::JumpModel;
 use crate::planner::Planner;
 
 /// Firing angles that are sampled.
@@ -29,13 +30,13 @@ const TIMES_OF_ONE: usize = 9;
 const SLACK: f64 = 2e-3;
 
 /// Flights over firing angles and valve times.
-pub(super) struct Grid<M: JumpModel> {
+pub(super) struct Grid {
     /// Valve times (s), ascending.
     times: Vec<f64>,
     /// Firing angles (rad), ascending.
     angles: Vec<f64>,
     /// For each valve time its jumps over the firing angles; none where a jump cannot be computed.
-    jumps: Vec<Vec<Option<Flown<M>>>>,
+    jumps: Vec<Vec<Option<Jump>>>,
     /// Standard deviation (m) of the landing at each firing angle, for the middle valve time: worked
     /// out where a sketch asks for it.
     deviations: Vec<OnceCell<f64>>,
@@ -62,8 +63,8 @@ pub(super) struct Within<'a> {
     pub(super) cost: [f64; 2],
 }
 
-impl<M: JumpModel> Grid<M> {
-    pub(super) fn new(planner: &Planner<M>, crossing: &Crossing, jump: usize) -> Grid<M> {
+impl Grid {
+    pub(super) fn new(planner: &Planner<dyn JumpModel>, crossing: &Crossing, jump: usize) -> Grid {
         let spread = |span: Span, i: usize, count: usize| {
             span.low + span.width() * i as f64 / (count - 1) as f64
         };
@@ -109,7 +110,7 @@ impl<M: JumpModel> Grid<M> {
             .find(|(of, _)| *of == height)
             .map(|(_, known)| known.clone());
         known.unwrap_or_else(|| {
-            let distance = |jump: &Option<Flown<M>>| {
+            let distance = |jump: &Option<Jump>| {
                 let jump = jump.as_ref();
                 jump.and_then(|jump| jump.distance(height))
                     .unwrap_or(f64::NAN)

@@ -12,7 +12,9 @@ use super::check::clearance;
 use super::grid::{Grid, Within};
 use super::stance::Path;
 use crate::course::{self, Envelope, Jumper, Leap, Limit, Margin, Sketch, Slope, Span};
-use crate::model::{Flown, JumpModel, Steered};
+use crate::flight::JumpFlight;
+use crate::jump::Jump;
+use crate::model::{JumpModel, Steered};
 use crate::planner::Planner;
 
 /// Firing angles at which the reach of the jumps is sampled.
@@ -27,32 +29,32 @@ pub(super) const NEAR: f64 = 0.03;
 const REMEMBERED: usize = 3;
 
 /// The robot as a [`Jumper`]: decisions are firing angle (rad) and valve opening time (s).
-pub(super) struct Roller<'a, M: JumpModel> {
-    planner: &'a Planner<M>,
+pub(super) struct Roller<'a> {
+    planner: &'a Planner<dyn JumpModel>,
     crossing: &'a Crossing,
     /// For each jump its flights over the firing angles, with the valve open longest and then
     /// shortest.
-    samples: Vec<[Vec<Flown<M>>; 2]>,
+    samples: Vec<[Vec<Jump>; 2]>,
     /// For each jump its flights over angles and valve times, to bound its cost.
-    grids: Vec<Rc<Grid<M>>>,
+    grids: Vec<Rc<Grid>>,
     /// For each jump what came of its last decisions. A foothold changes nothing but the place of a
     /// jump, and so the solver's differences cost one stance for each decision and not one for each
     /// jump and decision.
-    remembered: RefCell<Vec<Vec<Rc<Decided<M>>>>>,
+    remembered: RefCell<Vec<Vec<Rc<Decided>>>>,
 }
 
 /// What came of a jump's decisions, wherever its foothold is.
-struct Decided<M: JumpModel> {
+struct Decided {
     /// Firing angle (rad), valve opening time (s) and landing height (m).
     of: [f64; 3],
     /// The jump; none where the robot does not fly.
-    jump: Option<Steered<M>>,
+    jump: Option<Steered>,
     /// The way of the wheel in the stance, once it was asked for; none without a stance.
     path: OnceCell<Option<Path>>,
 }
 
-impl<'a, M: JumpModel> Roller<'a, M> {
-    pub(super) fn new(planner: &'a Planner<M>, crossing: &'a Crossing) -> Roller<'a, M> {
+impl<'a> Roller<'a> {
+    pub(super) fn new(planner: &'a Planner<dyn JumpModel>, crossing: &'a Crossing) -> Roller<'a> {
         let angles = crossing.firing_angles;
         let sample = |jump: usize| {
             [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
@@ -68,14 +70,14 @@ impl<'a, M: JumpModel> Roller<'a, M> {
             })
         };
         // Jumps at the same rate share their samples.
-        let mut samples: Vec<[Vec<Flown<M>>; 2]> = Vec::new();
+        let mut samples: Vec<[Vec<Jump>; 2]> = Vec::new();
         for jump in 0..crossing.course.jumps {
             let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
             samples.push(twin.map_or_else(|| sample(jump), |k| samples[k].clone()));
         }
         let jumps = crossing.course.jumps;
         let grid = |jump: usize| Rc::new(Grid::new(planner, crossing, jump));
-        let mut grids: Vec<Rc<Grid<M>>> = Vec::new();
+        let mut grids: Vec<Rc<Grid>> = Vec::new();
         for jump in 0..jumps {
             let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
             grids.push(twin.map_or_else(|| grid(jump), |k| grids[k].clone()));
@@ -97,7 +99,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
 
     /// By how much (m) the wheel's rim is too low where its centre is over `x` (m from the
     /// foothold): a cheap stand-in for the clearance, for starting points.
-    fn shortfall(&self, leap: &Leap, x: f64, top: f64, jump: &Flown<M>) -> f64 {
+    fn shortfall(&self, leap: &Leap, x: f64, top: f64, jump: &Jump) -> f64 {
         let Some(flight) = jump.flight.as_ref().map(Trajectory::parabola) else {
             return 1.0;
         };
@@ -118,7 +120,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
     }
 
     /// What comes of a jump's decisions.
-    fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Rc<Decided<M>> {
+    fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Rc<Decided> {
         let height = self.landing_height(leap);
         let of = [decisions[0], decisions[1], height];
         let known = self.remembered.borrow()[leap.jump]
@@ -179,7 +181,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
         &self,
         leap: &Leap,
         foot: Slope,
-        flown: &Decided<M>,
+        flown: &Decided,
         margins: &mut Vec<Margin<Slope>>,
     ) -> Option<Slope> {
         let jump = flown.jump.as_ref()?;
@@ -233,7 +235,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
     /// clear if it is over both.
     fn edge_gap(
         &self,
-        flight: &M::Flight<Slope>,
+        flight: &JumpFlight<Slope>,
         x: f64,
         from: f64,
         top: f64,
@@ -276,7 +278,7 @@ impl<'a, M: JumpModel> Roller<'a, M> {
     }
 }
 
-impl<M: JumpModel> Jumper for Roller<'_, M> {
+impl Jumper for Roller<'_> {
     fn decisions(&self, _: usize) -> [Span; 2] {
         [self.crossing.firing_angles, self.crossing.valve_open]
     }
@@ -356,7 +358,7 @@ impl<M: JumpModel> Jumper for Roller<'_, M> {
         let used = samples
             .iter()
             .min_by(|a, b| {
-                let off = |jump: &Flown<M>| (jump.launch.firing_angle - angle).abs();
+                let off = |jump: &Jump| (jump.launch.firing_angle - angle).abs();
                 off(a).total_cmp(&off(b))
             })
             .map_or(f64::INFINITY, |jump| {

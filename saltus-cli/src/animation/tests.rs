@@ -45,7 +45,7 @@ fn jump(robot: &Robot, firing_angle: f64) -> Jump {
         let reach = radius + s.extension;
         [reach * s.lean.sin(), reach * s.lean.cos()]
     });
-    let flight = planned.flight.unwrap();
+    let flight = planned.exact_flight().unwrap();
     let end = flight.time_to_height(height).unwrap();
     let path = stance
         .chain(flight.samples(0.0, end, 100).map(|(_, x, y)| [x, y]))

@@ -140,7 +140,7 @@ impl Map {
     }
 
     /// The map, some rates after the others, so that one sees how far it is.
-    fn compute<M: JumpModel>(&self, planner: &Planner<M>) -> Result<planner::Map, CliError> {
+    fn compute(&self, planner: &Planner<dyn JumpModel>) -> Result<planner::Map, CliError> {
         let rates = self.omega.to_vec();
         let progress = Progress::new("approach rates", rates.len());
         let threads = self.threads.count().get();

@@ -2,9 +2,7 @@
 
 use clap::Args;
 use saltus::on_plant::{Confirmed, OnPlant, for_table};
-use saltus::planner::{
-    self, Corrected, CorrectedFlight, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest,
-};
+use saltus::planner::{self, Corrected, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest};
 use saltus::{Planner, Robot};
 use serde_json::json;
 
@@ -109,7 +107,7 @@ const CLEARANCES: &[&str] = &[
 ];
 
 /// What is tabulated.
-type Cells = planner::Table<CorrectedFlight<f64>>;
+type Cells = planner::Table;
 
 /// Rates for each thread to compute before progress is shown.
 const BLOCK: usize = 64;
@@ -269,7 +267,7 @@ const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early 
     ±1σ: standard deviation, by the robot's [errors].";
 
 /// Rate and the firing angle `k` of a cell, none where there is none.
-fn point(cell: &planner::Cell<CorrectedFlight<f64>>, k: usize) -> (f64, Option<f64>) {
+fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
     (
         cell.rate,
         cell.entries
@@ -279,7 +277,7 @@ fn point(cell: &planner::Cell<CorrectedFlight<f64>>, k: usize) -> (f64, Option<f
 }
 
 /// How a cell ends.
-fn status(cell: &planner::Cell<CorrectedFlight<f64>>) -> &'static str {
+fn status(cell: &planner::Cell) -> &'static str {
     match (cell.entries.first(), &cell.nearest) {
         (Some(_), _) => "feasible",
         (None, Some(_)) => "infeasible",
@@ -294,8 +292,7 @@ fn nothing(table: &Cells, kind: &str) -> String {
         .cells
         .iter()
         .filter_map(|cell| cell.nearest.map(|n| (cell, n)));
-    let gap =
-        |cell: &planner::Cell<CorrectedFlight<f64>>, n: &Nearest| (n.value - cell.target).abs();
+    let gap = |cell: &planner::Cell, n: &Nearest| (n.value - cell.target).abs();
     match nearest.min_by(|a, b| gap(a.0, &a.1).total_cmp(&gap(b.0, &b.1))) {
         Some((cell, nearest)) => format!(
             "No angle reaches any {kind} asked for; the nearest is {} m at {} rad/s",
@@ -309,14 +306,9 @@ fn nothing(table: &Cells, kind: &str) -> String {
     }
 }
 
-fn row(
-    cell: &planner::Cell<CorrectedFlight<f64>>,
-    kind: Kind,
-    terms: &Terms,
-    robot: &Robot,
-) -> Vec<Cell> {
+fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Cell> {
     let first = cell.entries.first();
-    let angle = |entry: &Entry<CorrectedFlight<f64>>| entry.jump.launch.firing_angle;
+    let angle = |entry: &Entry| entry.jump.launch.firing_angle;
     let mut row = vec![
         cell.rate.into(),
         cell.target.into(),

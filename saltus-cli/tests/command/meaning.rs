@@ -289,3 +289,32 @@ fn the_program_in_the_documentation_runs() {
         "{said}"
     );
 }
+
+/// Fired at the angle that `table` gives, a jump of `simulate` lands where the table says, as high,
+/// with every term that a flight has.
+#[test]
+fn simulate_flies_what_table_plans() {
+    let folder = Folder::new("simulate-table");
+    for setting in [
+        "leg.picked_up_mass_kg=0.3",
+        "environment.drag_per_m=0.1",
+        "environment.gravity_m_s2=7",
+    ] {
+        let planned = folder.done(
+            &format!("table --omega 5 --distance 0.6 --format json --set {setting}"),
+            0,
+        );
+        let cell = &json(&planned)["rows"][0];
+        let number = |of: &Value, key: &str| of[key].as_f64().unwrap();
+        let angle = number(cell, "alpha_f_rad");
+        let flown = folder.done(
+            &format!("simulate --omega 5 --alpha-f {angle} --format json --set {setting}"),
+            0,
+        );
+        let jump = &json(&flown)["jumps"][0];
+        for (said, flown) in [("land_m", "land_rs_m"), ("apex_m", "apex_m")] {
+            let off = number(cell, said) - number(jump, flown);
+            assert!(off.abs() < 1e-8, "{setting}: {said} is off by {off} m");
+        }
+    }
+}

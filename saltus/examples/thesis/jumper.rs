@@ -94,7 +94,7 @@ pub(crate) fn path(planner: &Planner, jump: &Jump, height: f64) -> Outcome<[Vec<
         let reach = radius + s.extension;
         (reach * s.lean.sin(), reach * s.lean.cos())
     });
-    let flight = jump.flight.ok_or("a jump without a flight")?;
+    let flight = jump.exact_flight().ok_or("a jump without a flight")?;
     let points = flight
         .samples(0.0, flight.time_to_height(height)?, 121)
         .map(|(_, x, y)| (x, y));

@@ -18,7 +18,7 @@ const SLOW: f64 = 1.0;
 const FAST: f64 = 6.0;
 
 /// A jump over the box.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Over {
     pub(crate) jump: Jump,
     /// From the foot to the front of the box (m).
@@ -41,7 +41,7 @@ pub(crate) fn section() -> Outcome<Section> {
             .entries
             .first()
             .ok_or("one metre is out of reach")?;
-        let metre = best_front(&planner, entry.jump)?;
+        let metre = best_front(&planner, entry.jump.clone())?;
         metre_rows += &row(&planner, rate, &metre, radius)?;
         metre_margins.push(metre.margin);
     }
@@ -121,7 +121,7 @@ fn row(planner: &Planner, rate: f64, over: &Over, radius: f64) -> Outcome<String
 /// Clearance (m) of the wheel from the box at `front`, in stance and flight.
 fn margin(planner: &Planner, jump: &Jump, stance: &[(f64, f64)], front: f64) -> Outcome<f64> {
     let radius = planner.robot().body.radius;
-    let flight = jump.flight.ok_or("no flight")?;
+    let flight = jump.exact_flight().ok_or("no flight")?;
     let solid = Obstacle::block([front, 0.0], [front + SIDE, SIDE])?;
     let landing = flight.time_to_height(radius)?;
     let flying = flight

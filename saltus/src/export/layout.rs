@@ -37,8 +37,8 @@ pub(super) struct Layout {
 }
 
 /// Jumps of the planner from the tables' rates.
-pub(super) struct Flown<'a, M> {
-    pub(super) planner: &'a Planner<M>,
+pub(super) struct Flown<'a> {
+    pub(super) planner: &'a Planner<dyn JumpModel>,
     pub(super) start: Start,
     pub(super) valve_open: f64,
 }
@@ -70,19 +70,19 @@ impl Layout {
     ///
     /// # Errors
     /// [`ExportError`] where the planner has no table, or nothing is reached.
-    pub(super) fn new<R: Number, M: JumpModel>(
-        planner: &Planner<M>,
+    pub(super) fn new<R: Number>(
+        planner: &Planner<dyn JumpModel>,
         request: &Request,
     ) -> Result<Layout, ExportError> {
         match request.start_lean {
             Some(lean) => Layout::from_lean(planner, request, lean),
-            None => Layout::from_firing::<R, M>(planner, request),
+            None => Layout::from_firing::<R>(planner, request),
         }
     }
 
     /// Stances that start at one lean.
-    fn from_lean<M: JumpModel>(
-        planner: &Planner<M>,
+    fn from_lean(
+        planner: &Planner<dyn JumpModel>,
         request: &Request,
         lean: f64,
     ) -> Result<Layout, ExportError> {
@@ -118,8 +118,8 @@ impl Layout {
     ///
     /// The reference lies as far back as the farthest angle forward or back, so that every robot
     /// that is fired has a rate there.
-    fn from_firing<R: Number, M: JumpModel>(
-        planner: &Planner<M>,
+    fn from_firing<R: Number>(
+        planner: &Planner<dyn JumpModel>,
         request: &Request,
     ) -> Result<Layout, ExportError> {
         let limits = request.firing_angles.unwrap_or(FIRING_ANGLES);
@@ -155,8 +155,8 @@ impl Layout {
 
 /// Rates (rad/s) at the reference lean that hold all that are `fired`, at the spacing of `asked` or
 /// closer.
-fn energies<M: JumpModel>(
-    planner: &Planner<M>,
+fn energies(
+    planner: &Planner<dyn JumpModel>,
     asked: (f64, f64, usize),
     start: Start,
     fired: &[(f64, f64)],
@@ -177,8 +177,8 @@ fn energies<M: JumpModel>(
     (first, last, cells + 1)
 }
 
-fn table_request<M: JumpModel>(
-    planner: &Planner<M>,
+fn table_request(
+    planner: &Planner<dyn JumpModel>,
     request: &Request,
     rates: (f64, f64, usize),
     firing_angles: (f64, f64),
@@ -200,7 +200,7 @@ fn table_request<M: JumpModel>(
 
 /// Rate (rad/s) and angle (rad) of each firing: the least angle from which firing later goes
 /// farther.
-fn fired<F>(table: &Table<F>) -> impl Iterator<Item = (f64, f64)> {
+fn fired(table: &Table) -> impl Iterator<Item = (f64, f64)> {
     table.cells.iter().filter_map(|cell| {
         let rises = |s: &[Sensitivity; 2]| s[0].by_firing_angle > 0.0;
         let entry = cell
@@ -213,7 +213,7 @@ fn fired<F>(table: &Table<F>) -> impl Iterator<Item = (f64, f64)> {
 
 /// The least firing angle of a cell from which firing later goes farther, with its slopes by the
 /// cell's rate and by distance.
-fn later<M: JumpModel>(cell: &Cell<M::Flight<f64>>, planner: &Planner<M>, start: Start) -> Firing {
+fn later(cell: &Cell, planner: &Planner<dyn JumpModel>, start: Start) -> Firing {
     cell.entries.iter().find_map(|entry| {
         let [distance, _] = entry.sensitivity?;
         let launch = &entry.jump.launch;
@@ -228,9 +228,9 @@ impl Start {
     /// rate and the firing angle.
     ///
     /// At the firing angle ω² = ω_r² + 2 c (cos φ_r − cos α), which both change.
-    fn chained<M: JumpModel>(
+    fn chained(
         self,
-        planner: &Planner<M>,
+        planner: &Planner<dyn JumpModel>,
         rate: f64,
         launch: &Launch,
         [by_rate, by_angle]: [f64; 2],
@@ -244,7 +244,7 @@ impl Start {
     }
 }
 
-impl<M: JumpModel> Flown<'_, M> {
+impl Flown<'_> {
     /// The launch of a robot with `rate` (rad/s) at the reference lean that is fired at `angle`
     /// (rad).
     pub(super) fn launch(&self, rate: f64, angle: f64) -> Launch {

@@ -31,7 +31,7 @@ pub fn planner(
 ) -> Result<(Planner<Corrected>, Correction), ExportError> {
     let flat = planar(robot.clone());
     check(&flat, request)?;
-    let layout = Layout::new::<f64, _>(&flat, request)?;
+    let layout = Layout::new::<f64>(&flat, request)?;
     let flown = Flown {
         planner: &flat,
         start: layout.start,

@@ -100,8 +100,8 @@ impl<R: Number> Tables<R> {
     /// # Errors
     /// [`ExportError`] for numbers outside their domain, a robot with drag, or tables without an
     /// open cell.
-    pub fn new<M: JumpModel>(
-        planner: &Planner<M>,
+    pub fn new(
+        planner: &Planner<dyn JumpModel>,
         request: &Request,
     ) -> Result<Tables<R>, ExportError> {
         check(planner, request)?;
@@ -110,7 +110,7 @@ impl<R: Number> Tables<R> {
             rates,
             angles,
             firing,
-        } = Layout::new::<R, M>(planner, request)?;
+        } = Layout::new::<R>(planner, request)?;
         let robot = planner.robot();
         let (nodes, open) = nodes_and_cells(rates, request.distances, &firing);
         let mut tables = Tables {
@@ -229,11 +229,7 @@ impl<R: Number> Tables<R> {
 
     /// Closes the cells of the table that miss in the middle or at a corner, of those that a
     /// program's rates reach.
-    fn close_table(
-        &mut self,
-        flown: &Flown<'_, impl JumpModel>,
-        request: &Request,
-    ) -> Result<(), ExportError> {
+    fn close_table(&mut self, flown: &Flown<'_>, request: &Request) -> Result<(), ExportError> {
         const PLACES: [(f64, f64); 5] =
             [(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
         let (least, greatest) = (request.rates.0, request.rates.1);
@@ -270,7 +266,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// Closes the cells of the lift-off map whose middle lands elsewhere.
-    fn close_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
+    fn close_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
         let columns = self.angles.count - 1;
         for cell in (0..self.map_open.len())
             .filter(|cell| self.map_open[*cell] == 1)
@@ -348,7 +344,7 @@ impl<R: Number> Tables<R> {
 
     /// Lift-offs at the nodes, with exact derivatives; the mixed one by differences of these. Of a
     /// flight that is no parabola they are those of the parabola that stands for it.
-    fn fill_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
+    fn fill_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
         let (rates, angles) = (nodes_of(&self.rates), nodes_of(&self.angles));
         let mut found: Vec<Option<[[f64; 4]; 4]>> = Vec::with_capacity(rates.len() * angles.len());
         for &rate in &rates {
@@ -390,7 +386,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// Flies what the rule fires, and closes the cells that miss.
-    fn measure_table(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
+    fn measure_table(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
         // One distance is looked at once.
         let columns = self.distances.count.max(2) - 1;
         let along_distances = if self.distances.count > 1 { LOOKS } else { 1 };
@@ -422,12 +418,7 @@ impl<R: Number> Tables<R> {
 
     /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all;
     /// infinite where it fires none.
-    fn fired(
-        &self,
-        flown: &Flown<'_, impl JumpModel>,
-        rate: f64,
-        distance: f64,
-    ) -> Result<f64, ExportError> {
+    fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, ExportError> {
         let height = self.robot.landing_height;
         let mut controller = self.controller();
         // Cells are over the rate at the reference lean.
@@ -440,7 +431,7 @@ impl<R: Number> Tables<R> {
 
     /// Holds the landings that the map predicts against the planner's, and closes the cells that
     /// miss.
-    fn measure_map(&mut self, flown: &Flown<'_, impl JumpModel>) -> Result<(), ExportError> {
+    fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
         let columns = self.angles.count - 1;
         for cell in 0..self.map_open.len() {
             if self.map_open[cell] == 0 {
@@ -463,12 +454,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// How far (m) a jump lands from where the map predicts; infinite where it predicts nothing.
-    fn mapped(
-        &self,
-        flown: &Flown<'_, impl JumpModel>,
-        rate: f64,
-        angle: f64,
-    ) -> Result<f64, ExportError> {
+    fn mapped(&self, flown: &Flown<'_>, rate: f64, angle: f64) -> Result<f64, ExportError> {
         let map = self.controller().map;
         let predicted = map
             .at(R::of(rate), R::of(angle))
@@ -482,7 +468,7 @@ impl<R: Number> Tables<R> {
 
 impl Request {
     /// Height (m) of the wheel's centre at the landing.
-    pub(super) fn landing_height<M: JumpModel>(&self, planner: &Planner<M>) -> f64 {
+    pub(super) fn landing_height(&self, planner: &Planner<dyn JumpModel>) -> f64 {
         self.landing_height.unwrap_or(planner.robot().body.radius)
     }
 }
@@ -495,8 +481,8 @@ pub fn fingerprint(robot: &saltus_robot::Robot) -> String {
     format!("{:016x}", u64::from_be_bytes([a, b, c, d, e, f, g, h]))
 }
 
-pub(super) fn check<M: JumpModel>(
-    planner: &Planner<M>,
+pub(super) fn check(
+    planner: &Planner<dyn JumpModel>,
     request: &Request,
 ) -> Result<(), ExportError> {
     let drag = planner.robot().environment.drag;
@@ -691,7 +677,7 @@ fn limited(slope: f64, i: usize, count: usize, value: impl Fn(usize) -> Option<f
         })
 }
 
-fn constants<R: Number, M: JumpModel>(planner: &Planner<M>, request: &Request) -> Robot<R> {
+fn constants<R: Number>(planner: &Planner<dyn JumpModel>, request: &Request) -> Robot<R> {
     let robot = planner.robot();
     let (radius, gravity, pendulum) = (robot.body.radius, robot.axle_gravity(), planner.pendulum());
     let stride = 2.0 * radius * (std::f64::consts::PI / f64::from(robot.body.legs)).sin();

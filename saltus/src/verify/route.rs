@@ -1,6 +1,5 @@
 //! Jumps one after the other over a course, and what becomes of them.
 
-use saltus_ballistic::Trajectory;
 use saltus_lagrangian::Launch;
 use saltus_planner::course::Span;
 use saltus_planner::{Crossing, CrossingPlan, PlannedJump};
@@ -82,13 +81,8 @@ impl Route {
     /// landings within `tolerance` (m) of the plan.
     ///
     /// A goal without width is a place: how near the landing has to be says the tolerance.
-    pub fn of<F: Trajectory<f64>>(
-        crossing: &Crossing,
-        plan: &CrossingPlan<F>,
-        radius: f64,
-        tolerance: f64,
-    ) -> Route {
-        let stage = |planned: &PlannedJump<F>| Stage {
+    pub fn of(crossing: &Crossing, plan: &CrossingPlan, radius: f64, tolerance: f64) -> Route {
+        let stage = |planned: &PlannedJump| Stage {
             launch: planned.jump.launch,
             foot: planned.foot,
             landing_height: radius + planned.landing[1] - planned.foot[1],

@@ -1,6 +1,5 @@
 //! What is verified: the plan of a course, a table or a law.
 
-use saltus_ballistic::DragFlight;
 use saltus_lagrangian::Launch;
 use saltus_planner::{Crossing, CrossingPlan};
 
@@ -8,13 +7,13 @@ use super::Task;
 
 /// What is verified.
 #[derive(Clone, Debug)]
-pub enum Subject<F = DragFlight<f64>> {
+pub enum Subject {
     /// A course and its plan.
     Plan {
         /// The course.
         crossing: Box<Crossing>,
         /// Its plan.
-        plan: Box<CrossingPlan<F>>,
+        plan: Box<CrossingPlan>,
     },
     /// A rule for the firing angle.
     Rule(Rule),
@@ -54,9 +53,9 @@ pub enum Steering {
     Table(Vec<(f64, f64)>),
 }
 
-impl<F> Subject<F> {
+impl Subject {
     /// The plan of a course.
-    pub fn plan(crossing: Crossing, plan: CrossingPlan<F>) -> Subject<F> {
+    pub fn plan(crossing: Crossing, plan: CrossingPlan) -> Subject {
         Subject::Plan {
             crossing: Box::new(crossing),
             plan: Box::new(plan),

@@ -164,10 +164,10 @@ impl Verification {
     ///
     /// # Panics
     /// As [`trials`](Verification::trials).
-    pub fn verdict<M: JumpModel>(
+    pub fn verdict(
         &self,
-        subject: &Subject<M::Flight<f64>>,
-        planner: &Planner<M>,
+        subject: &Subject,
+        planner: &Planner<dyn JumpModel>,
         plant: &Plant,
     ) -> Result<Verdict, TrialError> {
         let trials = self.trials(subject, planner, plant.robot().body.radius)?;
@@ -196,10 +196,10 @@ impl Verification {
     ///
     /// # Panics
     /// If there are no `frictions`, or a rule is a table without rows.
-    pub fn trials<M: JumpModel>(
+    pub fn trials(
         &self,
-        subject: &Subject<M::Flight<f64>>,
-        planner: &Planner<M>,
+        subject: &Subject,
+        planner: &Planner<dyn JumpModel>,
         radius: f64,
     ) -> Result<Vec<Trial>, TrialError> {
         let mut random = Pcg64::seed_from_u64(self.seed);
@@ -243,9 +243,9 @@ impl Verification {
 
     /// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects
     /// of it.
-    fn single<M: JumpModel>(
+    fn single(
         &self,
-        planner: &Planner<M>,
+        planner: &Planner<dyn JumpModel>,
         rule: &Rule,
         rate: f64,
     ) -> Result<Route, TrialError> {

@@ -46,7 +46,7 @@ fn compare(what: &str, robot: &Robot, valve_open: f64) {
     for launch in launches(valve_open) {
         let result = truth.jump(&launch).ok();
         let result = result.and_then(|jump| Some([jump.apex()?, jump.distance(radius)?]));
-        let flight = |model: &Planar| Some(model.jump(&launch).ok()?.flight?.vacuum);
+        let flight = |model: &Planar| Some(model.jump(&launch).ok()?.exact_flight()?.vacuum);
         let (Some(truth), Some(plain), Some(heavy)) = (result, flight(&plain), flight(&heavy))
         else {
             continue;

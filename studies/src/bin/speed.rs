@@ -6,11 +6,11 @@
 use std::error::Error;
 use std::time::Instant;
 
-use saltus_lagrangian::Launch;
+use saltus_lagrangian::{Launch, LiftOff};
 use saltus_planner::course::{Course, Obstacle, Span};
 use saltus_planner::{
     Crossing, CrossingAnswer, FIRING_ANGLES, Jump, Measure, PLANNING_TOLERANCE, Planner, Roots,
-    TableRequest,
+    TableRequest, flight_after,
 };
 use saltus_robot::Robot;
 
@@ -38,13 +38,7 @@ fn compare(name: &str, planner: &Planner, launches: &[Launch]) {
         .iter()
         .map(|launch| {
             let end = fine.jump(launch).expect("a legal launch");
-            results(
-                &Jump {
-                    stance: end,
-                    ..planner.jump(launch).expect("a legal launch")
-                },
-                &end,
-            )
+            results(planner.robot(), &end)
         })
         .collect();
     let single = || -> Vec<Jump> {
@@ -68,7 +62,7 @@ fn compare(name: &str, planner: &Planner, launches: &[Launch]) {
             .iter()
             .zip(&exact)
             .flat_map(|(jump, exact)| {
-                let got = results(jump, &jump.stance);
+                let got = results(planner.robot(), &jump.stance);
                 std::array::from_fn::<f64, 3, _>(|k| {
                     (got[k] - exact[k]).abs() / exact[k].abs().max(0.01)
                 })
@@ -85,17 +79,10 @@ fn compare(name: &str, planner: &Planner, launches: &[Launch]) {
 }
 
 /// Apex and both landings (m) of a stance's end.
-fn results(jump: &Jump, end: &saltus_lagrangian::LiftOff) -> [f64; 3] {
-    let Some(mut flight) = jump.flight else {
+fn results(robot: &Robot, end: &LiftOff) -> [f64; 3] {
+    let Some(flight) = flight_after(robot, end) else {
         return [f64::NAN; 3];
     };
-    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
-    (
-        flight.vacuum.x,
-        flight.vacuum.y,
-        flight.vacuum.vx,
-        flight.vacuum.vy,
-    ) = (x, y, vx, vy);
     let land = |height| flight.range_to_height(height).unwrap_or(f64::NAN);
     [flight.apex_height(), land(0.24), land(0.0)]
 }

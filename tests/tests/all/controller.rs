@@ -4,7 +4,7 @@
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
-use saltus::ballistic::{Disc, Obstacle};
+use saltus::ballistic::{Disc, Obstacle, Trajectory};
 use saltus::closed_loop::{Command, Start, jump};
 use saltus::controller::{
     Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing,

@@ -31,7 +31,7 @@ fn request() -> TableRequest {
 }
 
 /// The numbers of a table: angle, distance, apex and eight sensitivities of each entry.
-fn entries<M: JumpModel>(planner: &Planner<M>) -> Vec<Vec<f64>> {
+fn entries(planner: &Planner<dyn JumpModel>) -> Vec<Vec<f64>> {
     let table = planner.table(&request()).expect("a legal request");
     let entries = table.cells.iter().flat_map(|cell| &cell.entries);
     entries
@@ -239,7 +239,7 @@ fn box_jump() -> Crossing {
     }
 }
 
-fn planned<M: JumpModel>(planner: &Planner<M>) -> CrossingPlan<M::Flight<f64>> {
+fn planned(planner: &Planner<dyn JumpModel>) -> CrossingPlan {
     match planner.cross(&box_jump()).expect("a legal crossing") {
         CrossingAnswer::Plan(plan) => plan,
         answer => panic!("{answer:?}"),

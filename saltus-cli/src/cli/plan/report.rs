@@ -3,9 +3,7 @@
 use saltus::Robot;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::{Obstacle, Relief, Span};
-use saltus::planner::{
-    Check, CorrectedFlight, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump,
-};
+use saltus::planner::{Check, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump};
 use saltus::robust::Margins;
 use saltus::verify::Demand;
 use serde_json::{Value, json};
@@ -54,10 +52,10 @@ const ROUND_OFF: f64 = 1e-9;
 const NO_LIMIT: &str = "no limit";
 
 /// What a course comes to.
-pub(super) type Answer = CrossingAnswer<CorrectedFlight<f64>>;
+pub(super) type Answer = CrossingAnswer;
 
 /// A plan for it.
-type Plan = CrossingPlan<CorrectedFlight<f64>>;
+type Plan = CrossingPlan;
 
 /// What is reported.
 pub(super) struct Report<'a> {
@@ -424,7 +422,7 @@ pub(super) fn off_target(landing: f64, target: f64) -> String {
 
 fn row(
     i: usize,
-    planned: &PlannedJump<CorrectedFlight<f64>>,
+    planned: &PlannedJump,
     target: Option<f64>,
     checks: &[Check],
     robot: &Robot,

@@ -4,7 +4,7 @@ use saltus::ballistic::Trajectory;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::Span;
 use saltus::planner::{
-    Check, Corrected, CorrectedFlight, Crossing, CrossingAnswer, JumpModel, PlannedJump, Planner,
+    Check, Corrected, Crossing, CrossingAnswer, JumpModel, PlannedJump, Planner,
 };
 
 use super::report::{Answer, off_target};
@@ -76,7 +76,7 @@ fn ends(span: &Span) -> (f64, f64) {
     (span.low, span.high)
 }
 
-fn leap(planned: &PlannedJump<CorrectedFlight<f64>>, planner: &Planner<Corrected>) -> Leap {
+fn leap(planned: &PlannedJump, planner: &Planner<Corrected>) -> Leap {
     const POINTS: usize = 400;
     let [x, y] = planned.foot;
     let launch = &planned.jump.launch;

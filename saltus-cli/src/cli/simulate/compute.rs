@@ -3,7 +3,8 @@
 use std::num::NonZeroUsize;
 
 use saltus::lagrangian::{Batch, Contact, EnergyLedger, FINE, Sample};
-use saltus::{DragFlight, Flight, Jump, Launch, LiftOff, Robot, StanceError};
+use saltus::planner::{JumpFlight, flight_after};
+use saltus::{Jump, Launch, LiftOff, Robot, StanceError};
 
 use crate::progress::Progress;
 
@@ -116,7 +117,7 @@ impl Work<'_> {
         let jump = Jump {
             launch: *launch,
             stance: end,
-            flight: self.flight(&end),
+            flight: flight_after(self.robot, &end).map(JumpFlight::Exact),
         };
         if !self.detail.stance && !self.detail.path {
             return Ok(Answer {
@@ -146,21 +147,6 @@ impl Work<'_> {
             jump,
             bearing,
             path,
-        })
-    }
-
-    fn flight(&self, end: &LiftOff) -> Option<DragFlight<f64>> {
-        let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
-        let vacuum = Flight {
-            x,
-            y,
-            vx,
-            vy,
-            gravity: self.robot.axle_gravity(),
-        };
-        end.outcome.is_jump().then_some(DragFlight {
-            vacuum,
-            drag: self.robot.environment.drag,
         })
     }
 }

@@ -56,7 +56,7 @@ fn flight_path(answer: &Answer) -> Vec<(f64, f64)> {
     const POINTS: usize = 2000;
     let landing = answer
         .jump
-        .flight
+        .exact_flight()
         .and_then(|flight| Some((flight, flight.time_to_height(0.0).ok()?)));
     landing.map_or(Vec::new(), |(flight, end)| {
         flight

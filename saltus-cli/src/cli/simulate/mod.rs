@@ -158,7 +158,7 @@ impl Simulate {
         let trace = trace.map_err(|source| self.failed(launch, None, source))?;
         self.mcap.recorded(robot, None, |recording| {
             recording.course(&[])?;
-            recording.planned(&trace, answer.jump.flight.as_ref(), launch.valve_open)
+            recording.planned(&trace, answer.jump.exact_flight(), launch.valve_open)
         })
     }
 

@@ -39,12 +39,15 @@ pub(super) fn table(answers: &[Answer], robot: &Robot) -> Table {
 }
 
 fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
-    let (launch, end, flies) = (
+    let (launch, end, flight) = (
         &answer.jump.launch,
         &answer.jump.stance,
-        answer.jump.flight.is_some(),
+        answer.jump.exact_flight(),
     );
-    let ([x, y], [vx, vy]) = (end.axle, end.axle_rates);
+    let [x, y] = end.axle;
+    let [vx, vy] = flight.map_or(end.axle_rates, |flight| {
+        [flight.vacuum.vx, flight.vacuum.vy]
+    });
     let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle]
         .map(Cell::from)
         .into();
@@ -69,7 +72,7 @@ fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
         vx,
         vy,
     ];
-    row.extend(motion.map(|number| Cell::from(flies.then_some(number))));
+    row.extend(motion.map(|number| Cell::from(flight.map(|_| number))));
     row.push(Cell::from(answer.jump.apex()));
     row.extend([robot.body.radius, 0.0].map(|height| Cell::from(answer.jump.distance(height))));
     row

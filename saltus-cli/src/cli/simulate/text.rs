@@ -39,7 +39,7 @@ fn one(answer: &Answer, robot: &Robot) -> String {
     let Jump {
         launch,
         stance: lift_off,
-        flight,
+        ..
     } = &answer.jump;
     let mut lines = vec![
         format!("{}: one jump", robot.name),
@@ -56,7 +56,7 @@ fn one(answer: &Answer, robot: &Robot) -> String {
         lift_off.outcome.name(),
         meaning(lift_off.outcome)
     ));
-    if let Some(flight) = flight {
+    if let Some(flight) = answer.jump.exact_flight() {
         let Flight { x, y, vx, vy, .. } = flight.vacuum;
         lines.extend([
             line("lift-off", lift_off.time, "s after the start"),

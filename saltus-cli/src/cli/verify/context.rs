@@ -1,6 +1,6 @@
 //! What a verification's report is about.
 
-use saltus::planner::{Corrected, CorrectedFlight, Planner};
+use saltus::planner::{Corrected, Planner};
 use saltus::verify::{Flown, Outcome, Plant, Subject, Verification};
 
 /// What was verified, and how.
@@ -9,7 +9,7 @@ pub(in crate::cli) struct Context<'a> {
     pub(in crate::cli) plant: &'a Plant,
     /// What the subject is called.
     pub(in crate::cli) title: &'a str,
-    pub(in crate::cli) subject: &'a Subject<CorrectedFlight<f64>>,
+    pub(in crate::cli) subject: &'a Subject,
     /// Whether it was made for the robot that jumps.
     pub(in crate::cli) for_plant: bool,
     pub(in crate::cli) how: &'a Verification,

@@ -2,7 +2,7 @@
 
 use saltus::Robot;
 use saltus::on_plant::OnPlant;
-use saltus::planner::{Corrected, CorrectedFlight, Planner};
+use saltus::planner::{Corrected, Planner};
 use saltus::verify::{Plant, Subject};
 
 use crate::error::CliError;
@@ -11,7 +11,7 @@ use crate::error::CliError;
 pub(super) struct Loaded {
     /// What it is called.
     pub(super) title: String,
-    pub(super) subject: Subject<CorrectedFlight<f64>>,
+    pub(super) subject: Subject,
     /// What says where its jumps land.
     pub(super) planner: Planner<Corrected>,
     /// Whether it was made for the robot that jumps.
