@@ -6,6 +6,7 @@ use saltus::planner::Crossing;
 
 use crate::error::CliError;
 use crate::identity::Identity;
+use crate::output;
 use crate::session;
 
 /// Notes that the command reads the file at `path`.
@@ -18,12 +19,26 @@ pub(crate) fn is_read(file: &Identity) -> bool {
     session::with(|session| session.read.iter().any(|read| read.is_same(file)))
 }
 
+/// Refuses an output that is one of the files read so far, before long work.
+pub(crate) fn spared() -> Result<(), CliError> {
+    let outputs = session::with(|session| session.outputs.clone());
+    match outputs.into_iter().find(|(_, _, place)| is_read(place)) {
+        Some((flag, path, _)) => Err(output::overwrites(
+            flag,
+            &path,
+            "those that this command reads",
+        )),
+        None => Ok(()),
+    }
+}
+
 /// The bytes of the file at `path`, which may have `limit_mib` MiB at most; `-` is standard input.
 pub(crate) fn bytes(path: &Path, limit_mib: u64) -> Result<Vec<u8>, CliError> {
     if let Some(text) = given(path) {
         return Ok(text.into_bytes());
     }
     note(path);
+    spared()?;
     Ok(saltus::input::bytes(path, limit_mib)?)
 }
 
@@ -33,6 +48,7 @@ pub(crate) fn course(path: &Path) -> Result<Crossing, CliError> {
         return Ok(saltus::course::parse(&text, &path.display().to_string())?);
     }
     note(path);
+    spared()?;
     Ok(saltus::course::load(path)?)
 }
 

@@ -5,6 +5,7 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,6 +27,8 @@ pub(crate) struct Session {
     pub(crate) said: BTreeSet<String>,
     /// The files that were read.
     pub(crate) read: Vec<Identity>,
+    /// The files that are going to be written, each with the flag that names it.
+    pub(crate) outputs: Vec<(&'static str, PathBuf, Identity)>,
     /// Set in another program.
     pub(crate) embedded: Option<Embedded>,
 }

@@ -165,6 +165,7 @@ pub(crate) fn any_robot(name: &str, overrides: &[String]) -> Result<Robot, CliEr
         Some(text) => saltus::robot::resolve_text(&text, name, overrides)?,
         None => saltus::robot::resolve_from(name, overrides, &input::note)?,
     };
+    input::spared()?;
     // Titles are one line.
     let words = robot
         .name
@@ -189,6 +190,7 @@ pub(crate) fn read_folders(folders: &[PathBuf]) -> Result<Folder, CliError> {
     for file in folders.iter().flat_map(|folder| experiment::files(folder)) {
         input::note(&file);
     }
+    input::spared()?;
     let progress = Progress::new("rows", 0);
     Ok(experiment::read_all(folders, &|n| progress.advance(n))?)
 }
@@ -377,13 +379,13 @@ impl OutputFlags {
     /// Refuses a report and a plot that cannot be written, before long work.
     pub(crate) fn ready(&self, plot: &PlotOption) -> Result<(), CliError> {
         self.report_ready()?;
-        plot.path().map_or(Ok(()), reachable)
+        reachable("--plot", plot.path())
     }
 
     /// Refuses a report that cannot be written, before long work.
     pub(crate) fn report_ready(&self) -> Result<(), CliError> {
         let file = self.out().filter(|out| *out != Path::new("-"));
-        file.map_or(Ok(()), reachable)
+        reachable("--out", file)
     }
 
     /// Writes the report alone.

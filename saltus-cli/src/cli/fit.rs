@@ -90,7 +90,7 @@ impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         self.output.report_ready()?;
-        self.robot_out.as_deref().map_or(Ok(()), reachable)?;
+        reachable("--robot-out", self.robot_out.as_deref())?;
         let mut folder = read_folders(&self.folders)?;
         let misstated = disbelieve(&mut folder.experiment);
         folder.notes.extend(misstated.iter().map(words::misstated));

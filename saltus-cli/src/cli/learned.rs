@@ -19,6 +19,7 @@ impl Learned {
     /// What `seed`, or without one the best seed, learnt by the file at `path`.
     pub(super) fn load(path: &Path, seed: Option<u64>) -> Result<Learned, CliError> {
         input::note(path);
+        input::spared()?;
         let name = path.display().to_string();
         let file = PolicyFile::load(path)?;
         let settings = file.settings(&name)?;

@@ -42,7 +42,7 @@ impl McapOption {
 
     /// Refuses a file that cannot be written, before long work.
     pub(crate) fn ready(&self) -> Result<(), CliError> {
-        self.path().map_or(Ok(()), reachable)
+        reachable("--mcap", self.path())
     }
 
     /// What `fill` records of `robot`, if a file is asked for: flag, file and bytes.

@@ -114,18 +114,15 @@ impl Files {
             let Some(place) = Identity::of(&out.path) else {
                 continue;
             };
-            let refused = |out: &Output, other: &str| {
-                CliError::flag(
-                    out.flag,
-                    out.path.display(),
-                    format!("another file than {other}"),
-                )
-            };
             if input::is_read(&place) {
-                return Err(refused(out, "those that this command reads"));
+                return Err(overwrites(
+                    out.flag,
+                    &out.path,
+                    "those that this command reads",
+                ));
             }
             if let Some((other, _)) = before.iter().find(|(_, known)| known.is_same(&place)) {
-                return Err(refused(other, out.flag));
+                return Err(overwrites(other.flag, &other.path, out.flag));
             }
             before.push((out, place));
         }
@@ -133,9 +130,35 @@ impl Files {
     }
 }
 
+/// That `flag` names a file which is not its own.
+pub(crate) fn overwrites(flag: &'static str, path: &Path, other: &str) -> CliError {
+    CliError::flag(flag, path.display(), format!("another file than {other}"))
+}
+
 /// Refuses a file that cannot be written, before long work: its folder is not there or is read-only,
-/// or the path is a folder.
-pub(crate) fn reachable(path: &Path) -> Result<(), CliError> {
+/// the path is a folder, or another flag names it. What is read later must be another file
+/// ([`input::spared`]).
+pub(crate) fn reachable(flag: &'static str, path: Option<&Path>) -> Result<(), CliError> {
+    let Some(path) = path else {
+        return Ok(());
+    };
+    if let Some(place) = Identity::of(path) {
+        if input::is_read(&place) {
+            return Err(overwrites(flag, path, "those that this command reads"));
+        }
+        let other = session::with(|session| {
+            let known = session
+                .outputs
+                .iter()
+                .find(|(_, _, known)| known.is_same(&place));
+            let other = known.map(|(other, _, _)| *other);
+            session.outputs.push((flag, path.into(), place));
+            other
+        });
+        if let Some(other) = other.filter(|other| *other != flag) {
+            return Err(overwrites(flag, path, other));
+        }
+    }
     let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
     if !folder.is_none_or(Path::is_dir) {
         let missing = io::Error::new(io::ErrorKind::NotFound, "its folder is not there");

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-pub(crate) use files::{Files, Stream, print, reachable, reachable_folder};
+pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
 pub(crate) use number::{digits, full};
 pub(crate) use table::{Cell, Table};
 

@@ -245,8 +245,8 @@ impl Diagnose {
         if let Some(plan) = self.power.plan() {
             return self.power.run(plan, &self);
         }
-        let more = self.extend.iter().chain(&self.report);
-        more.map(PathBuf::as_path).try_for_each(reachable)?;
+        reachable("--extend", self.extend.as_deref())?;
+        reachable("--report", self.report.as_deref())?;
         let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         if let (Some(path), None) = (&self.extend, &robot) {

@@ -108,7 +108,7 @@ impl Export {
 /// Refuses a file `out` that cannot be written, before long work.
 fn file_ready(out: Option<&Path>) -> Result<(), CliError> {
     let file = out.filter(|out| *out != Path::new("-"));
-    file.map_or(Ok(()), reachable)
+    reachable("--out", file)
 }
 
 /// Writes `text` to the file `out`, or to the screen.

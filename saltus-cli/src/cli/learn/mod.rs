@@ -302,7 +302,7 @@ impl Learn {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         self.output.ready(&self.plot)?;
-        self.animate.as_deref().map_or(Ok(()), reachable)?;
+        reachable("--animate", self.animate.as_deref())?;
         let before = self.before()?;
         let settings = self.settings(before.as_ref())?;
         let seeds = self.seeds(before.as_ref());
@@ -502,6 +502,7 @@ impl Learn {
         // It may be replaced by what it becomes.
         if self.output.out() != Some(path) {
             input::note(path);
+            input::spared()?;
         }
         let name = path.display().to_string();
         let policy = PolicyFile::load(path)?;

@@ -119,6 +119,7 @@ impl Parkour {
     /// The courses to plan.
     fn courses(&self) -> Result<Vec<Course>, CliError> {
         input::note(&self.file);
+        input::spared()?;
         let mut courses = saltus::parkour::load(&self.file)?;
         if let Some(id) = self
             .chosen

@@ -472,7 +472,7 @@ impl Run {
     /// Refuses files and a folder that cannot be written, before long work.
     fn ready(&self) -> Result<(), CliError> {
         self.output.ready(&self.plot)?;
-        self.animate.as_deref().map_or(Ok(()), reachable)?;
+        reachable("--animate", self.animate.as_deref())?;
         self.mcap.ready()?;
         self.telemetry.as_deref().map_or(Ok(()), reachable_folder)
     }

@@ -185,7 +185,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.common.ready(&self.plot)?;
         self.mcap.ready()?;
-        self.animate.as_deref().map_or(Ok(()), reachable)?;
+        reachable("--animate", self.animate.as_deref())?;
         let robot = self.common.robot()?;
         let plant = Plant::new(self.plant()?, self.accuracy);
         plant
