@@ -173,7 +173,9 @@ effects apart best. An example:
   repeat = 6
 
 JSON with --power: {\"command\", \"kind\", \"robot\", \"runs\", \"experiments_drawn\", \"effects\": [{\"id\", \"column\", \"parameters\", \"seen_by_sigmas\", \"named\", \"alone\", \"nothing\" (shares), \
-\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\": [{approach_rate_rad_s, firing_angle_rad, valve_open_s, supply_pressure_gauge_pa}], \"effects\"}}. CSV: one row for each effect.
+\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\": [{approach_rate_rad_s, firing_angle_rad, valve_open_s, supply_pressure_gauge_pa}], \"effects\"}}. CSV: cause (the id), column, parameter, value, seen_by_sigmas, named, alone, nothing; one row for each parameter of an effect.
+
+JSON with --inject: {\"command\", \"kind\", \"seed\", \"runs\", \"rows\", \"causes\": [{\"id\", \"column\", \"parameters\"}]}. CSV: cause, column, parameter, value.
 
 With --inject there is nothing to diagnose: data are made with effects hidden in them, in the folder --out, and the report says \
 what they are; the folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, several with commas; of a sensor \

@@ -192,7 +192,7 @@ at the ground and at end stops; what motion, height and springs gained; \"residu
 Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction\", \"seconds\" (asked for), \"ran_for_s\", \"step_s\", \"seed\", \"zone_rad\", \"taps\", \
 \"disturbances\", \"rear_leg_at_start\", \"travel_m\", \"way_m\", \"mean_speed_m_s\", \"last_speed_m_s\", \"top_speed_m_s\" and \"time_to_1_6_m_s\" (both of the first 1.6 m), \
 \"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
-\"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\", \"boxes\", \"ending\": {\"how\"}, \
+\"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\": [{\"from_s\", \"speed_m_s\", \"mean_of_second_half_m_s\"}], \"boxes\", \"ending\": {\"how\"}, \
 \"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
 \"residual\", \"gas_residual\"}, \"optimal\": {\"distance_m\", \"predicted_s\", \"flown_s\", \"fastest_firings\", \"fastest_firings_s\", \"levels\": [{\"cells\", \"choices\", \
 \"sweeps\", \"time_s\", \"bellman_residual_s\"}], \"table\": {\"rates_rad_s\", \"rows\"}}.
@@ -221,6 +221,14 @@ runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend 
 periodic gaits with period, speed, gas and Floquet multipliers, each with its error; rolling without drive, in closed form; the \
 share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
 without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
+
+Keys with --analyse: \"analysis\", \"firing\": {\"angle_rad\", \"valve_open_s\", \"section_lean_rad\"}; \"energy_j\": {\"gas_exergy\", \"valves_and_exhaust\", \"leg_work\", \
+\"outside\", \"lost\", \"lost_in_legs\", \"lost_in_other_joints\", \"lost_by_slip\", \"lost_to_the_air\", \"lost_in_impacts_at_ground\", \"lost_in_impacts_at_stops\", \
+\"gained\", \"unexplained\"}; \"periodic_gaits\": {\"start_rates_rad_s\", \"found\": [{\"legs\", \"period_s\", \"speed_m_s\", \"gas_kg_per_m\", \"work_j_per_m\", \"stability\", \"is_stable\", \
+\"residual\", \"multipliers\": [{\"real\", \"imaginary\", \"modulus\", \"error\"}]}]}; \"rolling\": {\"slope_rad\", \"least_slope_rad\", \"steady\": {\"rate_before_rad_s\", \
+\"rate_after_rad_s\", \"multiplier\"}}; \"starts\": {\"leans_rad\", \"rates_rad_s\", \"grids\": [{\"cells_a_side\", \"share_running\", \"boundary\", \"not_simulated\", \
+\"fates_by_lean_then_rate\"}]}; \"speed_against_gas\": {\"start_rate_rad_s\", \"angles_rad\", \"valve_open_s\", \"drawn_robots\", \"least_share_running\", \"running\" and \"frontier\": \
+[{\"firing_angle_rad\", \"valve_open_s\", \"speed_m_s\", \"gas_kg_per_m\", \"robots\", \"running\"}]}.
 
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
 by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
