@@ -483,7 +483,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "--robot rats-twelve --animate x.html --out x.html --format json",
-        &["--out", "another file than --animate"],
+        &["--animate", "another file than --out"],
     ),
     (
         "--robot rats-twelve --animate x.html --robots 3",
@@ -496,7 +496,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "--robot rats-twelve --mcap x.mcap --out x.mcap --format csv",
-        &["--out", "another file"],
+        &["--mcap", "another file than --out"],
     ),
     (
         "--robot rats-twelve --mcap x.mcap --robots 3",

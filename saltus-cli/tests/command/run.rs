@@ -680,7 +680,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "--plot a.svg --out a.svg --format json",
-        &["--out a.svg", "another file than --plot"],
+        &["--plot a.svg", "another file than --out"],
     ),
     (
         "--robot robot.toml --out robot.toml --format csv",

@@ -194,8 +194,8 @@ fn every_command_refuses_to_overwrite_what_it_reads_before_it_works() {
     for (command, work) in LONG {
         let (work, file) = match *command {
             // A tank is no robot that runs.
-            "filling" | "fit" | "parkour" | "learn" => continue,
-            "diagnose" | "diagnose --power" | "export policy" => continue,
+            "filling" | "fit" | "parkour" | "learn" | "diagnose" | "diagnose --power"
+            | "export policy" => continue,
             "export mjcf" | "export urdf" => ("", "plane.toml"),
             "plan" => ("c.toml", "plane.toml"),
             "verify" => ("c.toml --samples 100000", "plane.toml"),
