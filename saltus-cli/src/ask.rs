@@ -1,12 +1,12 @@
 //! The command from another program, which gives it words and files and takes its answer.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-use clap::Parser;
 use clap::error::ErrorKind;
 
-use crate::cli::{Cli, Status};
+use crate::cli::{Cli, Status, Unparsed};
 use crate::session::{self, Embedded, Session, Stop, Stopped};
 
 /// What a command answers.
@@ -89,8 +89,11 @@ pub fn ask(
 }
 
 fn run(words: &[String]) -> Result<Status, Refused> {
-    let words = std::iter::once("saltus").chain(words.iter().map(String::as_str));
-    let cli = Cli::try_parse_from(words).map_err(|error| Refused::Input(short(&error)))?;
+    let words: Vec<OsString> = words.iter().map(OsString::from).collect();
+    let cli = Cli::parsed(&words).map_err(|error| match error {
+        Unparsed::Refused(error) => Refused::Input(short(&error)),
+        Unparsed::Moved(error) => Refused::Input(error.to_string()),
+    })?;
     cli.run().map_err(|error| Refused::Input(error.to_string()))
 }
 

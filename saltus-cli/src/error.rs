@@ -34,6 +34,14 @@ pub(crate) enum CliError {
         /// What it takes.
         allowed: &'static str,
     },
+    /// A part of the command that has moved.
+    #[error("{asked} {place}")]
+    Moved {
+        /// The command, the flag or the value.
+        asked: String,
+        /// Where it is.
+        place: crate::cli::Place,
+    },
     /// A value in a file.
     #[error("{file}:{line}: {key} = {value}: must be {allowed}")]
     Value {

@@ -15,6 +15,7 @@ mod learn;
 mod learned;
 mod limits;
 mod map;
+mod moved;
 mod parkour;
 mod plan;
 mod proof;
@@ -27,6 +28,7 @@ mod target;
 mod terms;
 mod verify;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -34,6 +36,8 @@ use clap::{Parser, Subcommand};
 
 use crate::error::CliError;
 use crate::session;
+
+pub(crate) use moved::Place;
 
 /// Plans the jumps of legged robots.
 ///
@@ -92,6 +96,14 @@ enum Command {
     Completions(completions::Completions),
 }
 
+/// Why a command line is none.
+pub(crate) enum Unparsed {
+    /// It asks for help, or is wrong.
+    Refused(clap::Error),
+    /// It asks for what has moved.
+    Moved(CliError),
+}
+
 /// What a command that was carried out says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
@@ -104,6 +116,18 @@ pub(crate) enum Status {
 }
 
 impl Cli {
+    /// Parses the words after the program's name.
+    ///
+    /// # Errors
+    /// What `clap` says, or where what they ask for has moved.
+    pub(crate) fn parsed(words: &[OsString]) -> Result<Cli, Unparsed> {
+        let line = std::iter::once("saltus".into()).chain(words.iter().cloned());
+        Cli::try_parse_from(line).map_err(|error| match moved::refused(words) {
+            Some(moved) if error.use_stderr() => Unparsed::Moved(moved),
+            _ => Unparsed::Refused(error),
+        })
+    }
+
     /// Runs the command that was parsed.
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.command.run()
@@ -134,10 +158,15 @@ impl Command {
 
 /// Parses the command line, runs its command and says how it went.
 pub fn main() -> ExitCode {
-    let words = std::env::args_os().skip(1);
-    let words = words.map(|word| word.to_string_lossy().into_owned());
-    session::with(|session| session.words = words.collect());
-    match Cli::parse().run() {
+    let words: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let typed = words.iter().map(|word| word.to_string_lossy().into_owned());
+    session::with(|session| session.words = typed.collect());
+    let done = match Cli::parsed(&words) {
+        Ok(cli) => cli.run(),
+        Err(Unparsed::Refused(error)) => error.exit(),
+        Err(Unparsed::Moved(error)) => Err(error),
+    };
+    match done {
         Ok(Status::Done) => ExitCode::SUCCESS,
         Ok(Status::No) => ExitCode::FAILURE,
         Ok(Status::Interrupted) => ExitCode::from(130),
