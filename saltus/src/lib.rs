@@ -31,6 +31,11 @@
 //!
 //! Tables for a controller, as C:
 #![doc = concat!("```\n", include_str!("../examples/export_tables.rs"), "```")]
+//!
+//! # Features
+//!
+//! `telemetry` (off by default, it brings 17 packages): motions are written as MCAP files and runs
+//! are read from them.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod chart;
@@ -44,8 +49,10 @@ pub mod inject;
 pub mod input;
 pub mod learning;
 pub mod on_plant;
+pub mod origin;
 pub mod parkour;
 pub mod power;
+#[cfg(feature = "telemetry")]
 pub mod recording;
 pub mod replan;
 pub mod robust;
@@ -65,6 +72,7 @@ pub use saltus_planner as planner;
 pub use saltus_pneumatics as pneumatics;
 pub use saltus_robot as robot;
 pub use saltus_sim_check as sim_check;
+#[cfg(feature = "telemetry")]
 pub use saltus_telemetry as telemetry;
 
 pub use saltus_ballistic::{DragFlight, Flight, FlightError, Trajectory};

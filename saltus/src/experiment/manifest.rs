@@ -12,10 +12,10 @@ use saltus_robot::RobotError;
 use saltus_robot::domain::Domain;
 use saltus_robot::section::Section;
 use saltus_robot::units::TIME;
-use saltus_telemetry::Path as LogPath;
 
 use super::error::{Error, one_line, shown};
 use super::instant::{self, Instant};
+use super::mcap::LogPath;
 use super::mechanism;
 
 /// Its name in the folder.

@@ -8,15 +8,20 @@ mod tracks;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{self, BufReader, Write};
 use std::path::Path;
 
 use saltus_diagnosis::spec::Spec;
 use saltus_telemetry::{self as telemetry, Channel, Event, Field, Selection};
 
+/// Where the numbers of a column are: a topic and fields of its messages.
+pub(super) use saltus_telemetry::Path as LogPath;
+
 use super::error::{Error, cut, shown};
 use super::manifest::{Listed, LogClock};
-use crate::recording::MEASURED;
+use super::run::Table;
+use crate::origin::Origin;
+use crate::recording::{self, MEASURED, Recording};
 
 use tracks::{Track, joined};
 
@@ -24,35 +29,6 @@ use tracks::{Track, joined};
 const MOST: usize = 10_000_000;
 /// Most topics that an error lists.
 const LISTED: usize = 20;
-
-/// What a file says as a CSV file would say it.
-pub(super) struct Table {
-    pub(super) text: Vec<u8>,
-    /// What is odd about it, without its name.
-    pub(super) notes: Vec<String>,
-}
-
-/// Whether the file at `path` is to be read as MCAP: it is called so or begins so, or its columns are
-/// mapped.
-pub(super) fn is_meant(path: &Path, listed: &Listed) -> Result<bool, Error> {
-    let end = path
-        .extension()
-        .and_then(|end| end.to_str())
-        .unwrap_or_default();
-    let is_log = ["mcap", "db3", "bag"]
-        .iter()
-        .any(|log| end.eq_ignore_ascii_case(log));
-    if is_log || !listed.columns.is_empty() {
-        return Ok(true);
-    }
-    let failed = |source| Error::read(path, source);
-    let file = File::open(path).map_err(failed)?;
-    let mut head = Vec::new();
-    if file.metadata().map_err(failed)?.is_file() {
-        file.take(8).read_to_end(&mut head).map_err(failed)?;
-    }
-    Ok(telemetry::is_mcap(&head))
-}
 
 /// The run in the file at `path`.
 pub(super) fn table(path: &Path, listed: &Listed, spec: &'static Spec) -> Result<Table, Error> {
@@ -87,6 +63,27 @@ pub(super) fn table(path: &Path, listed: &Listed, spec: &'static Spec) -> Result
         Err(error) => return Err(Error::content(file, error.to_string())),
     }
     log.table(&file, spec)
+}
+
+/// Writes `rows`, each with its time (s), as a file that [`table`] reads.
+pub(super) fn write(
+    out: &mut dyn Write,
+    names: &[&str],
+    rows: impl Iterator<Item = (f64, Vec<f64>)>,
+    origin: &Origin<'_>,
+) -> io::Result<()> {
+    let record = || -> Result<(), recording::Error> {
+        let mut recording = Recording::new(&mut *out, origin)?;
+        recording.columns(names.iter().copied())?;
+        for (time, row) in rows {
+            recording.row(time, row)?;
+        }
+        recording.finish().map(|_| ())
+    };
+    record().map_err(|error| match error {
+        recording::Error::File(telemetry::Error::Io(error)) => error,
+        other => io::Error::other(other.to_string()),
+    })
 }
 
 /// What is kept of a file as it is read.

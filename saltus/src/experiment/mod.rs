@@ -22,6 +22,10 @@ mod instant;
 mod join;
 mod lines;
 mod manifest;
+#[cfg(feature = "telemetry")]
+mod mcap;
+#[cfg(not(feature = "telemetry"))]
+#[path = "without_mcap.rs"]
 mod mcap;
 mod mechanism;
 mod plan;

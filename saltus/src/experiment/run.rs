@@ -1,6 +1,8 @@
 //! One run: a CSV file of any length, read row by row.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use saltus_diagnosis::Run;
@@ -110,7 +112,7 @@ impl Source<'_> {
     /// The lines of a CSV file, or those that say the same as an MCAP file, with what is odd about
     /// it.
     fn lines(&self) -> Result<(Lines, Vec<String>), Error> {
-        if !mcap::is_meant(self.path, self.listed)? {
+        if !is_mcap(self.path, self.listed)? {
             return Ok((Lines::open(self.path)?, Vec::new()));
         }
         let table = mcap::table(self.path, self.listed, self.spec)?;
@@ -121,6 +123,34 @@ impl Source<'_> {
             .map(|note| format!("{name}: {note}"));
         Ok((Lines::of(table.text, self.file), notes.collect()))
     }
+}
+
+/// What a file says as a CSV file would say it.
+pub(super) struct Table {
+    pub(super) text: Vec<u8>,
+    /// What is odd about it, without its name.
+    pub(super) notes: Vec<String>,
+}
+
+/// Whether the file at `path` is to be read as MCAP: it is called so or begins so, or its columns are
+/// mapped.
+fn is_mcap(path: &Path, listed: &Listed) -> Result<bool, Error> {
+    const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+    let end = path.extension().and_then(|end| end.to_str());
+    let is_log = ["mcap", "db3", "bag"]
+        .iter()
+        .any(|log| end.is_some_and(|end| end.eq_ignore_ascii_case(log)));
+    if is_log || !listed.columns.is_empty() {
+        return Ok(true);
+    }
+    let failed = |source| Error::read(path, source);
+    let file = File::open(path).map_err(failed)?;
+    let mut head = Vec::new();
+    if file.metadata().map_err(failed)?.is_file() {
+        let mut first = file.take(MAGIC.len() as u64);
+        first.read_to_end(&mut head).map_err(failed)?;
+    }
+    Ok(head == MAGIC)
 }
 
 /// A run so far.

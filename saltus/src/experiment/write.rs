@@ -7,12 +7,12 @@ use std::path::Path;
 
 use super::error::{Error, one_line, shown};
 use super::manifest::{NAME, within};
+use super::mcap;
 use super::mechanism;
 use super::{Experiment, Run};
-use crate::recording::{self, Origin, Recording};
+use crate::origin::Origin;
 use crate::temporary::{self, Temporary};
 use saltus_diagnosis::spec::{self, Form, Setting, Spec};
-use saltus_telemetry as telemetry;
 
 /// Writes `experiment` into a folder that is new or empty, so that [`read`](super::read()) gives it
 /// back; the times of a run then count from its first row.
@@ -51,7 +51,7 @@ pub fn write_with(
 /// of the data.
 ///
 /// # Errors
-/// As [`write()`].
+/// As [`write()`]; a run of such a name without the feature `telemetry`.
 pub fn write_from(
     folder: &Path,
     experiment: &Experiment,
@@ -117,7 +117,11 @@ fn fill(
             .is_some_and(|end| end.eq_ignore_ascii_case("mcap"));
         whole(&path, |out| {
             if is_mcap {
-                recorded(out, run, experiment, (spec, origin))
+                let rows = cells(run, spec).map(|(time, values)| {
+                    let time_of_row = spec.timed.then_some(time);
+                    (time, time_of_row.into_iter().chain(values).collect())
+                });
+                mcap::write(out, &names(experiment, spec), rows, origin)
             } else {
                 rows(out, run, experiment, spec)
             }
@@ -269,28 +273,6 @@ fn rows(out: &mut dyn Write, run: &Run, experiment: &Experiment, spec: &Spec) ->
         writeln!(out, "{}", all.join(","))?;
     }
     Ok(())
-}
-
-/// The same as an MCAP file.
-fn recorded(
-    out: &mut dyn Write,
-    run: &Run,
-    experiment: &Experiment,
-    (spec, origin): (&Spec, &Origin<'_>),
-) -> io::Result<()> {
-    let mut record = || -> Result<(), recording::Error> {
-        let mut recording = Recording::new(&mut *out, origin)?;
-        recording.columns(names(experiment, spec))?;
-        for (time, values) in cells(run, spec) {
-            let all = spec.timed.then_some(time).into_iter().chain(values);
-            recording.row(time, all)?;
-        }
-        recording.finish().map(|_| ())
-    };
-    record().map_err(|error| match error {
-        recording::Error::File(telemetry::Error::Io(error)) => error,
-        other => io::Error::other(other.to_string()),
-    })
 }
 
 /// Names of the columns.

@@ -39,6 +39,7 @@ use saltus_telemetry::{Definition, Encoder, Topic, Writer, message};
 
 use body::Body;
 
+pub use crate::origin::Origin;
 pub use body::Moment;
 pub use course::Block;
 pub use jump::Flown;
@@ -56,17 +57,6 @@ pub enum Error {
     /// The robot is none of bodies.
     #[error(transparent)]
     Robot(#[from] SimError),
-}
-
-/// Where a recording comes from.
-#[derive(Clone, Copy, Debug)]
-pub struct Origin<'a> {
-    /// What was asked for.
-    pub command: &'a str,
-    /// Seed of all that was drawn, if anything was.
-    pub seed: Option<u64>,
-    /// The robot that is recorded, if one is: its file is attached.
-    pub robot: Option<&'a Robot>,
 }
 
 /// A recording on its way to a file.

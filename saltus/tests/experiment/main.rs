@@ -5,6 +5,7 @@
 mod damage;
 mod folder;
 mod machine;
+#[cfg(feature = "telemetry")]
 mod mcap;
 mod rig;
 mod spoiled;
@@ -97,6 +98,22 @@ fn said(folder: &Folder) -> String {
             .to_string()
             .replace(folder.path("").to_str().unwrap(), "DATA/"),
     }
+}
+
+#[cfg(not(feature = "telemetry"))]
+#[test]
+fn an_mcap_file_is_refused_without_the_feature_that_reads_it() {
+    let folder = Folder::new("without-mcap");
+    folder.write("a.mcap", "\u{89}MCAP0\r\n");
+    folder.write(
+        "experiment.toml",
+        "kind = \"slide\"\n[[run]]\nfile = \"a.mcap\"\n",
+    );
+    let error = read(&folder.path("."), &|_| ()).unwrap_err().to_string();
+    assert!(
+        error.contains("a.mcap") && error.contains("feature telemetry"),
+        "{error}"
+    );
 }
 
 #[test]
