@@ -39,7 +39,24 @@ struct Moved {
     place: Place,
 }
 
-const MOVED: &[Moved] = &[];
+const MOVED: &[Moved] = &[
+    to_study("jump", "--target", "ball_jump 0.3,0.2"),
+    to_study("jump", "--heading", "ball_jump 0.3,0.2"),
+    to_study("jump", "--rest", "ball_jump 0.3,0.2"),
+    to_study("jump", "--map", "ball_jump map 0.2"),
+    to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
+    to_study("run", "--bears", "bears steer 40 bears-steer.svg"),
+];
+
+/// What is a study now.
+const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
+    let place = Place::Study(study);
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
 
 /// That a command line which could not be parsed asks for something that has moved.
 pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
