@@ -1,20 +1,14 @@
-//! Tests of the analysis of gaits, in one binary: linking is what takes time.
+//! Tests of running robots, in one binary: linking is what takes time.
 
 mod ball_known;
-mod basin;
 mod energy;
-mod frontier;
 mod jump_in_space;
 mod learn;
 mod learn_tasks;
-mod optimal;
 mod passive;
-mod periodic;
-mod report;
 mod rest;
 mod sensed;
 mod space;
-mod stride;
 mod strides_in_space;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};
@@ -24,13 +18,6 @@ use saltus_robot::{Robot, resolve};
 fn robot(name: &str) -> Robot {
     let path = format!("{}/../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     resolve(&path, &[] as &[String]).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
-
-/// The robot that runs, without its boom.
-fn planar() -> Robot {
-    let mut planar = robot("rats-run");
-    planar.boom = None;
-    planar
 }
 
 /// The robot that runs, fired at 0.1 rad, pushed at 0.5 s: thesis 5.1.2.

@@ -39,7 +39,48 @@ struct Moved {
     place: Place,
 }
 
-const MOVED: &[Moved] = &[];
+const MOVED: &[Moved] = &[
+    Moved {
+        command: "run",
+        words: "--gait optimal",
+        place: Place::Study("optimal 3 1.6 0.9 100"),
+    },
+    Moved {
+        command: "export",
+        words: "--gait optimal",
+        place: Place::Study("optimal 3 1.6 0.9 100"),
+    },
+    Moved {
+        command: "run",
+        words: "--analyse",
+        place: Place::Study("analyse"),
+    },
+    Moved {
+        command: "learn",
+        words: "--algorithm bayes",
+        place: Place::Study("few_strides 30 60"),
+    },
+    Moved {
+        command: "learn",
+        words: "--algorithm cma-es",
+        place: Place::Study("few_strides 30 60"),
+    },
+    Moved {
+        command: "learn",
+        words: "--algorithm hill-climbing",
+        place: Place::Study("hill_climbing 30 500"),
+    },
+    Moved {
+        command: "learn",
+        words: "--tilings",
+        place: Place::Study("seen_states 30 500"),
+    },
+    Moved {
+        command: "learn",
+        words: "--replacing",
+        place: Place::Study("seen_states 30 500"),
+    },
+];
 
 /// That a command line which could not be parsed asks for something that has moved.
 pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
@@ -50,7 +91,7 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
         .iter()
         .flat_map(|word| match word.split_once('=') {
             Some((flag, value)) if flag.starts_with("--") => vec![flag, value],
-            _ => vec![word],
+            _ => vec![word.as_ref()],
         })
         .collect();
     let is_asked = |moved: &&Moved| {

@@ -149,32 +149,6 @@ fn a_ball_follows_a_path_and_ends_where_it_ends() {
 }
 
 #[test]
-#[ignore = "nightly: 20 s"]
-fn a_plain_roll_is_analysed() {
-    let folder = Folder::new("ball-analysis");
-    let line = "run --robot rats-twelve --analyse quick";
-    let all = answer(&folder, line, 0);
-    let number = |value: &Value| value.as_f64().unwrap();
-    let multipliers = all["multipliers_of_half_a_turn"].as_array().unwrap();
-    assert_eq!(multipliers.len(), 10);
-    let ones = multipliers
-        .iter()
-        .filter(|one| (number(&one["re"]) - 1.0).abs() < 1e-5);
-    assert_eq!(ones.count(), 2, "{all}");
-    // What the legs do is what is lost, within what ten half turns gain.
-    let energy = &all["energy"];
-    let lost: f64 = ["in_legs", "in_feet_and_ground", "at_ends_of_strokes"]
-        .iter()
-        .map(|part| number(&energy[format!("lost_{part}_j_per_m")]))
-        .sum();
-    let work = number(&energy["work_of_the_legs_j_per_m"]);
-    assert!((lost / work - 1.0).abs() < 0.05, "{all}");
-    assert!(folder.done(line, 0).contains("comes back from"));
-    // So weak that it does not roll.
-    folder.done(&format!("{line} --set leg.force_n=40"), 1);
-}
-
-#[test]
 fn a_ball_that_is_thrown_down_runs_again() {
     let folder = Folder::new("ball-recover");
     let line = "run --robot rats-twelve --gait recover --seconds 10";
@@ -456,18 +430,6 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "--robot rats-twelve --disturb torque=5@1:2s",
         &["--disturb", "a robot in its plane"],
-    ),
-    (
-        "--robot rats-twelve --analyse quick --gait steer",
-        &["--gait steer", "disc-stable with --analyse"],
-    ),
-    (
-        "--robot rats-twelve --analyse quick --robots 3",
-        &["--robots", "left out with --analyse"],
-    ),
-    (
-        "--robot rats-twelve --analyse quick --format csv",
-        &["--format csv", "text or json"],
     ),
     (
         "--robot rats-twelve --animate x.txt",

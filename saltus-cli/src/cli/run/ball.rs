@@ -1,6 +1,5 @@
 //! A robot in space, which rolls as a disc.
 
-mod analysis;
 mod bears;
 mod beside;
 mod came;
@@ -43,9 +42,6 @@ impl Run {
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
         let (gait, aim) = self.gait.rolls()?;
-        if let Some(depth) = self.analyse {
-            return self.analysed_ball(robot, depth);
-        }
         let mut setup = self.rolling(robot, gait);
         if let Some(robots) = self.bears {
             return self.what_it_bears(&setup, aim, robots.get());
@@ -186,30 +182,6 @@ impl Run {
             Some((flag, _)) => Err(in_its_plane(flag)),
             None => Ok(()),
         }
-    }
-
-    /// Refuses what an analysis of a ball does not have.
-    fn can_analyse_a_ball(&self) -> Result<(), CliError> {
-        let given = [
-            ("--robots", self.robots.is_some()),
-            ("--step", self.step.is_some()),
-            ("--heading", self.gait.heading.is_some()),
-            ("--truth", self.gait.truth),
-        ];
-        if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
-            let allowed = "left out with --analyse, of a robot in space";
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        if self.output.format() == Format::Csv {
-            let allowed = "text or json with --analyse";
-            return Err(CliError::flag("--format", "csv", allowed));
-        }
-        let gait = self.gait.rolling();
-        if gait != Kind::DiscStable {
-            let allowed = "disc-stable with --analyse, of a robot in space";
-            return Err(CliError::flag("--gait", gait.name(), allowed));
-        }
-        Ok(())
     }
 
     /// The robot and its gait in words.

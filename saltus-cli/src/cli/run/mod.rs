@@ -1,6 +1,5 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
-mod analysis;
 mod ball;
 mod ensemble;
 mod figure;
@@ -24,7 +23,6 @@ use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
 use super::Status;
-use super::best;
 use super::common::{
     OutputFlags, PlotOption, Threads, any_robot, note_valve, page_file, robot, seed,
 };
@@ -38,7 +36,6 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
-use analysis::Depth;
 pub(crate) use ensemble::{in_words, share};
 use follow::{Follower, OnTheWay, Thinned};
 pub(crate) use gait::Aim;
@@ -94,14 +91,9 @@ pub(crate) struct Run {
     #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
     drawn_across: f64,
 
-    /// Analyse the gait of `fixed`: energy, periodic gaits, starts that run, speed against gas;
-    /// with --robots over so many drawn robots [default without a value: full]
-    #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
-    analyse: Option<Depth>,
-
     /// How much a robot in space bears: the share that comes 30 m within 1 m of its line, or does what else its gait is for,
     /// over scatter of forces, centre of mass, friction and slope; so many robots for each number [default without a value: 40]
-    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_negative_numbers = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_negative_numbers = true, conflicts_with_all = ["robots", "animate", "telemetry", "mcap"])]
     bears: Option<NonZeroUsize>,
 
     #[command(flatten)]
@@ -157,9 +149,7 @@ Examples:
   saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
   saltus run --gait smooth --seconds 5 --plot smooth.svg
   saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
-  saltus run --gait optimal --seconds 2 --distance 1.6 --refinements 2
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
-  saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
   saltus run --robot rats-twelve --gait disc --seconds 5
   saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
   saltus run --robot rats-twelve --path points.csv --seconds 60 --plot track.svg --animate run.html
@@ -173,7 +163,7 @@ the simulation.
 Suffixes: rad/s, deg/s; rad, deg; s, ms, min; in --disturb deg, rad, N, Nm, psi, kPa, bar.
 
 A stall is an answer: standing still for 0.5 s at the end of the run, unless --speed demands it; the report says since \
-when, where and why, and the exit code is 1. With --robots and --analyse the exit code does not depend on stalls. Ctrl-C ends a \
+when, where and why, and the exit code is 1. With --robots the exit code does not depend on stalls. Ctrl-C ends a \
 run early: the report and the rows are of the time up to then, and the exit code is 130.
 
 --disturb: slope tilts the ground (deg), uphill towards where the robot runs from its start; on a boom the robot runs in a circle, \
@@ -194,8 +184,7 @@ Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction
 \"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
 \"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\": [{\"from_s\", \"speed_m_s\", \"mean_of_second_half_m_s\"}], \"boxes\", \"ending\": {\"how\"}, \
 \"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
-\"residual\", \"gas_residual\"}, \"optimal\": {\"distance_m\", \"predicted_s\", \"flown_s\", \"fastest_firings\", \"fastest_firings_s\", \"levels\": [{\"cells\", \"choices\", \
-\"sweeps\", \"time_s\", \"bellman_residual_s\"}], \"table\": {\"rates_rad_s\", \"rows\"}}.
+\"residual\", \"gas_residual\"}.
 
 Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_stiffness_n_per_m\", \"friction_and_spring_at_mid_stroke_n\", \
 \"supply_standard_deviation_pa\", \"friction_along\", \"friction_across\"}; shares {\"count\", \"of\", \"share\", \"interval_95\"}: \"running\" (with \"from_m_s\", the least speed), \
@@ -209,32 +198,14 @@ Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_
 \"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run; with --bears \"success\" and \"bears\": [{\"imperfection\", \
 \"value\", \"share\"}], in CSV imperfection, value, success, robots, share, low_95, high_95.
 
---gait optimal seeks the least time from rest to --distance on this robot without noise and disturbances, by dynamic programming \
-over its strides, and runs the table that it finds: docs/running.md says how. If no choice leads there, the answer says how far \
-the robot comes, and the exit code is 1.
-
 --robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
 supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
 runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
 
---analyse reports on the gait of one firing angle and one valve opening time, --gait fixed: the energy of the run by parts; \
-periodic gaits with period, speed, gas and Floquet multipliers, each with its error; rolling without drive, in closed form; the \
-share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
-without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
-
-Keys with --analyse: \"analysis\", \"firing\": {\"angle_rad\", \"valve_open_s\", \"section_lean_rad\"}; \"energy_j\": {\"gas_exergy\", \"valves_and_exhaust\", \"leg_work\", \
-\"outside\", \"lost\", \"lost_in_legs\", \"lost_in_other_joints\", \"lost_by_slip\", \"lost_to_the_air\", \"lost_in_impacts_at_ground\", \"lost_in_impacts_at_stops\", \
-\"gained\", \"unexplained\"}; \"periodic_gaits\": {\"start_rates_rad_s\", \"found\": [{\"legs\", \"period_s\", \"speed_m_s\", \"gas_kg_per_m\", \"work_j_per_m\", \"stability\", \"is_stable\", \
-\"residual\", \"multipliers\": [{\"real\", \"imaginary\", \"modulus\", \"error\"}]}]}; \"rolling\": {\"slope_rad\", \"least_slope_rad\", \"steady\": {\"rate_before_rad_s\", \
-\"rate_after_rad_s\", \"multiplier\"}}; \"starts\": {\"leans_rad\", \"rates_rad_s\", \"grids\": [{\"cells_a_side\", \"share_running\", \"boundary\", \"not_simulated\", \
-\"fates_by_lean_then_rate\"}]}; \"speed_against_gas\": {\"start_rate_rad_s\", \"angles_rad\", \"valve_open_s\", \"drawn_robots\", \"least_share_running\", \"running\" and \"frontier\": \
-[{\"firing_angle_rad\", \"valve_open_s\", \"speed_m_s\", \"gas_kg_per_m\", \"robots\", \"running\"}]}.
-
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
 by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
 the line with --heading: it gets up where it fell, and the run ends at the last point; before that, the exit code is 1. By `recover` it \
-is first thrown down, at any attitude with up to 5 rad/s, by --seed. --analyse tells of `disc-stable` without corrections speed and energy a metre, the \
-multipliers of half a turn, and from how much roll it comes back by itself. With --robots forces of legs, centre \
+is first thrown down, at any attitude with up to 5 rad/s, by --seed. With --robots forces of legs, centre \
 of mass and friction (0.6 to 1.2 times the ground's) are drawn. --bears lets one thing be off at a time: the standard deviation of the legs' forces, how far the centre \
 of mass may be from the middle, friction, the slope of the ground along the first heading; CSV has a row for each number, in SI units, \
 with the share of robots and its 95 % interval (Wilson), and --plot draws them. The CSV of a run has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
@@ -264,27 +235,14 @@ impl Run {
             let allowed = "used with a robot in space, whose body.shape is sphere";
             return Err(CliError::flag("--bears", "", allowed));
         }
-        let mut chosen = match &learned {
+        let chosen = match &learned {
             Some(learned) => learned.chosen(&robot)?,
             None => self.gait.chosen(&robot)?,
         };
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
         self.note_what_never_comes(&chosen);
-        if self.analyse.is_some() {
-            self.can_be_analysed(&robot, &chosen)?;
-        }
-        let mut setup = self.setup(&robot, &chosen)?;
-        if let Some(quest) = self.gait.quest() {
-            self.places()?;
-            chosen.best = best::seek(&mut setup, quest, self.threads.count().get())?;
-            if chosen.best.is_none() {
-                return Ok(Status::No);
-            }
-        }
-        if let Some(depth) = self.analyse {
-            return self.analysed(&setup, &chosen, depth);
-        }
+        let setup = self.setup(&robot, &chosen)?;
         if self.robots.is_some() {
             return self.many(&setup, &chosen);
         }
