@@ -103,30 +103,15 @@ static uint32_t whole(saltus_real beside) {
     return (uint32_t)(bits & 0x3FFFFF);
 }
 
-static void policy(const saltus_law *law, saltus_real entry, int32_t passed, saltus_real out[2]) {
-    if (!is_finite(entry)) return;
-    saltus_real inside = lesser(greater(entry, law->first), law->last);
-    if (!within(inside, law->first, law->last) || law->count < 2) return;
-    saltus_real along = (inside - law->first) * law->per_unit;
-    saltus_real beside = beside_great(along);
-    uint32_t index = whole(beside), most = law->count - 2;
-    uint32_t row = passed < 0 ? 0 : (uint32_t)passed, last = law->rows == 0 ? 0 : law->rows - 1;
-    if (row > last) row = last;
-    const saltus_real *from = law->nodes[row * law->count + (index > most ? most : index)], *to = from + 2;
-    mix(along - lesser(beside - GREAT, (saltus_real)most), from[0], from[1], to[0], to[1], out);
-}
-
 /* Firing angle (rad) and valve opening time (s). What is not a number fires never. */
-static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, saltus_real entry, int32_t passed, saltus_real out[2]) {
+static void law_at(const saltus_law *law, saltus_real time, saltus_real rate, saltus_real out[2]) {
     out[0] = PI;
     out[1] = R(0.0);
     if (law->kind == SALTUS_OVER_TIME) {
         out[0] = law->amplitude * hyperbolic_tangent(law->slope * time - law->shift) + law->level;
         out[1] = law->valve_open;
-    } else if (law->kind == SALTUS_LINES) {
-        lines(law, rate, out);
     } else {
-        policy(law, entry, passed, out);
+        lines(law, rate, out);
     }
 }
 
@@ -170,7 +155,6 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
     for (int k = 0; k < 13; k++) {
         if (lean >= high) {
             r->leg++;
-            if (r->passed != INT32_MAX) r->passed++;
             if (r->leg >= r->legs) {
                 r->leg = 0;
                 r->base = plus(r->base, turn(r));
@@ -181,7 +165,6 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
                 r->base = minus(r->base, turn(r));
             }
             r->leg--;
-            if (r->passed != INT32_MIN) r->passed--;
         } else {
             break;
         }
@@ -195,7 +178,6 @@ static saltus_real find_leg(saltus_runner *r, int32_t wheel) {
 /* Firings count from 0 again, no foot has come down since, and no jump is under way. */
 static void begin_anew(saltus_runner *r) {
     r->firings = 0;
-    r->passed = 0;
     r->since_shock = UINT32_MAX;
     r->touched = R(0.0);
     r->is_touched = 0;
@@ -230,7 +212,6 @@ void saltus_runner_start(saltus_runner *r, const saltus_gait *gait, uint32_t rea
     r->direction = 1;
     r->has_fired = 0;
     r->enters = 1;
-    r->entry = R(0.0);
     r->demand = R(0.0);
     r->sum = R(0.0);
     r->speed = R(0.0);
@@ -269,7 +250,6 @@ static void mirror(saltus_runner *r, int32_t wheel) {
     r->has_choice = 0;
     r->enters = 1;
     find_leg(r, wheel);
-    r->passed = 0;
 }
 
 void saltus_runner_turn_round(saltus_runner *r, int32_t wheel) {
@@ -387,7 +367,7 @@ static void next_firing(const saltus_runner *r, saltus_real time, saltus_real ra
         out[0] = gait->first[r->firings][0];
         out[1] = gait->first[r->firings][1];
     } else {
-        law_at(&gait->law, time, rate, r->entry, r->passed, out);
+        law_at(&gait->law, time, rate, out);
     }
 }
 
@@ -440,7 +420,6 @@ void saltus_runner_step(saltus_runner *r, const saltus_readings *readings, saltu
     saltus_real lean = find_leg(r, readings->wheel);
     saltus_real rate = filtered(r, readings) * (saltus_real)r->direction;
     if (r->enters) {
-        r->entry = rate;
         r->enters = 0;
         choose(r, rate, readings->pivot);
     }

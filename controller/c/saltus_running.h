@@ -19,8 +19,7 @@ typedef struct { saltus_real rate, firing_angle, valve_open; } saltus_knot;
 
 enum saltus_law_kind {
     SALTUS_OVER_TIME = 0, /* alpha_f = amplitude tanh(slope t - shift) + level over the time since the start */
-    SALTUS_LINES = 1,     /* lines between knots over the rate, level beyond; two knots at one rate are a jump, whose upper side holds */
-    SALTUS_POLICY = 2     /* lines between evenly spaced nodes over the rate at which a leg enters the zone, level beyond; a row for each leg that has come */
+    SALTUS_LINES = 1      /* lines between knots over the rate, level beyond; two knots at one rate are a jump, whose upper side holds */
 };
 
 /* At which lean a leg fires, and how long its valve opens. */
@@ -28,10 +27,7 @@ typedef struct {
     enum saltus_law_kind kind;
     saltus_real amplitude, slope, shift, level, valve_open; /* over time: rad, 1/s, 1, rad, s */
     const saltus_knot *knots;                               /* lines */
-    saltus_real first, last, per_unit;                      /* policy: rates of the first and the last node, nodes per unit */
-    const saltus_real (*nodes)[2];                          /* policy: firing angle (rad), valve opening time (s) */
-    uint32_t count;                                         /* of knots, or of a row's nodes */
-    uint32_t rows;                                          /* policy: one for each number of legs that have come into the zone since the start; the last holds from then on */
+    uint32_t count;                                         /* of knots */
 } saltus_law;
 
 /* What a count is. */
@@ -140,8 +136,8 @@ typedef struct {
     uint32_t newest;
     int is_read;
     uint32_t cycles, legs, leg;
-    int32_t base, direction, passed;
-    saltus_real offset, pitch, entry, demand, sum, speed, touched;
+    int32_t base, direction;
+    saltus_real offset, pitch, demand, sum, speed, touched;
     int32_t last_radius;
     uint32_t still, firings, since_shock;
     int has_fired, enters, is_measured, is_touched;

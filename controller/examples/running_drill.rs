@@ -3,8 +3,8 @@
 //!     cargo run --release -p saltus-controller --example running_drill -- [CYCLES [double]]
 
 use saltus_controller::run::{
-    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, Policy, Readings, Runner, Signals,
-    Stall, Standing,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, Readings, Runner, Signals, Stall,
+    Standing,
 };
 use saltus_controller::{Axis, Real};
 
@@ -83,9 +83,6 @@ impl Hash {
 struct Drawn<R: 'static> {
     time: Law<'static, R>,
     knots: Vec<Knot<R>>,
-    nodes: Vec<[R; 2]>,
-    ends: [R; 2],
-    rows: usize,
     zone: R,
     first: Vec<[R; 2]>,
     hold: Option<Hold<R>>,
@@ -119,12 +116,6 @@ impl<R: Real + 'static> Drawn<R> {
                 valve_open: draw.between(0.02, 0.06),
             });
         }
-        let nodes = (0..18)
-            .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
-            .collect();
-        let first: R = draw.between(0.5, 3.0);
-        let ends = [first, first + draw.between(2.0, 9.0)];
-        let rows = 1 + (draw.word() % 3) as usize;
         let zone = draw.between(-0.26, 0.26);
         let mut first: Vec<[R; 2]> = (0..2)
             .map(|_| [draw.between(-0.2, 0.2), draw.between(0.02, 0.06)])
@@ -169,9 +160,6 @@ impl<R: Real + 'static> Drawn<R> {
             sees,
             time,
             knots,
-            nodes,
-            ends,
-            rows,
             zone,
             first,
             hold,
@@ -180,14 +168,10 @@ impl<R: Real + 'static> Drawn<R> {
     }
 
     fn gait<'a>(&'a self, run: u32, taps: &'a [R]) -> Gait<'a, R> {
-        let law = match run % 4 {
-            0 => self.time,
-            2 => Law::Policy(Policy {
-                rates: Axis::new(self.ends[0], self.ends[1], 6),
-                rows: self.rows,
-                nodes: &self.nodes,
-            }),
-            _ => Law::Lines(&self.knots),
+        let law = if run.is_multiple_of(4) {
+            self.time
+        } else {
+            Law::Lines(&self.knots)
         };
         Gait {
             law,

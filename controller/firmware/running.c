@@ -41,7 +41,7 @@ static void mix_real(saltus_real x) {
 
 static const saltus_real taps[5] = {N(0.2), N(0.2), N(0.2), N(0.2), N(0.2)};
 static saltus_knot knots[4];
-static saltus_real nodes[18][2], first[2][2];
+static saltus_real first[2][2];
 static saltus_gait gait;
 
 /* Cells of the table for an obstacle. */
@@ -86,9 +86,8 @@ static void draw_ahead(void) {
 }
 
 static void draw_gait(uint32_t run) {
-    uint32_t kind = run % 4;
     gait.legs = 3 + run % 10;
-    gait.law.kind = kind == 0 ? SALTUS_OVER_TIME : kind == 2 ? SALTUS_POLICY : SALTUS_LINES;
+    gait.law.kind = run % 4 == 0 ? SALTUS_OVER_TIME : SALTUS_LINES;
     gait.law.amplitude = between(N(-0.2), N(0.2));
     gait.law.slope = between(N(1.0), N(20.0));
     gait.law.shift = between(N(0.0), N(4.0));
@@ -100,17 +99,8 @@ static void draw_gait(uint32_t run) {
         knots[k].firing_angle = between(N(-0.2), N(0.2));
         knots[k].valve_open = between(N(0.02), N(0.06));
     }
-    for (int k = 0; k < 18; k++) {
-        nodes[k][0] = between(N(-0.2), N(0.2));
-        nodes[k][1] = between(N(0.02), N(0.06));
-    }
     gait.law.knots = knots;
-    gait.law.first = between(N(0.5), N(3.0));
-    gait.law.last = gait.law.first + between(N(2.0), N(9.0));
-    gait.law.per_unit = N(5.0) / (gait.law.last - gait.law.first);
-    gait.law.nodes = (const saltus_real(*)[2])nodes;
-    gait.law.count = kind == 2 ? 6 : 4;
-    gait.law.rows = 1 + word() % 3;
+    gait.law.count = 4;
     gait.zone = between(N(-0.26), N(0.26));
     gait.taps = taps;
     gait.tap_count = 5;

@@ -28,18 +28,6 @@ pub enum GaitError {
         }
     )]
     Unsure(Unsure),
-    /// No sequence of firings that was tried goes so far.
-    #[error(
-        "no firings that were tried reach {distance} m within {within:.3} s: they come to {farthest:.3} m"
-    )]
-    Unreached {
-        /// Distance (m).
-        distance: f64,
-        /// How far they came (m).
-        farthest: f64,
-        /// How long they were followed (s).
-        within: f64,
-    },
     /// The simulation cannot begin, or cannot go on.
     #[error(transparent)]
     Sim(#[from] SimError),

@@ -1,7 +1,6 @@
 //! The thesis' firing laws, by their names.
 
-use saltus_controller::Axis;
-use saltus_controller::run::{Knot, Law, Policy};
+use saltus_controller::run::{Knot, Law};
 
 use crate::GaitError;
 use crate::error::require;
@@ -36,46 +35,8 @@ pub enum Program {
     ClosedLoop(Lines),
     /// A curve over the rate through these knots: rate (rad/s), α_f (rad), t_v (s).
     Curve(Vec<[f64; 3]>),
-    /// A table over the rate at which a leg enters the zone, and how many legs came before it.
-    Policy(Table),
     /// A table that was learnt; setup's filter, first firings, speeds and jumps have no part in it.
     Learnt(Learnt),
-}
-
-/// A table of firings: lines between its nodes over the rate of entry, level beyond; a row for each
-/// number of legs that have come into the zone since the start, the last one from then on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    /// Rates (rad/s) of the first and the last node of each row, evenly spaced.
-    pub rates: [f64; 2],
-    /// Nodes of a row, ≥ 2.
-    pub count: usize,
-    /// α_f (rad) and t_v (s), row after row.
-    pub nodes: Vec<[f64; 2]>,
-}
-
-impl Table {
-    fn check(&self) -> Result<(), GaitError> {
-        let count = self.count as f64;
-        require(self.count >= 2, "nodes of a policy", count, "at least two")?;
-        let nodes = self.nodes.len() as f64;
-        let whole = !self.nodes.is_empty() && self.nodes.len().is_multiple_of(self.count);
-        let allowed = format!("a multiple of {count}, the nodes of a row");
-        require(whole, "nodes of all rows of a policy", nodes, allowed)?;
-        let [first, last] = self.rates;
-        let allowed = format!("a number above that of the first node, {first}");
-        let sound = first.is_finite() && last.is_finite() && last > first;
-        require(sound, "rate of a policy's last node (rad/s)", last, allowed)
-    }
-
-    fn policy(&self) -> Policy<'_, f64> {
-        let [first, last] = self.rates;
-        Policy {
-            rates: Axis::new(first, last, self.count),
-            rows: self.nodes.len() / self.count.max(1),
-            nodes: &self.nodes,
-        }
-    }
 }
 
 /// The reading of C = 3.0 in A tanh(B t − C) + D.
@@ -111,16 +72,10 @@ pub enum Lines {
         last: f64,
         /// That rate (rad/s).
         at: f64,
-        /// Whether the second line is E ω + F with F = C ω_s + D, which makes a jump at ω_s; else
-        /// both meet there.
+        /// Whether the second line is E ω + F as printed, with E = (α_ff − α_fi)/ω_f and F = C ω_s + D,
+        /// where D = α_fi, which makes a jump at ω_s; else both meet there.
         jumps: bool,
     },
-}
-
-/// The second of the thesis' two lines as printed, E ω + F with E = (α_ff − α_fi)/ω_f and F = C ω_s
-/// + D, where D = α_fi: its value (rad) at `rate` (rad/s).
-pub fn second_line(first: f64, slope: f64, switch: f64, (last, at): (f64, f64), rate: f64) -> f64 {
-    (last - first) / at * rate + slope * switch + first
 }
 
 impl Lines {
@@ -138,7 +93,7 @@ impl Lines {
             } => {
                 let meets = first + slope * switch;
                 if jumps {
-                    let line = |rate| second_line(first, slope, switch, (last, at), rate);
+                    let line = |rate: f64| (last - first) / at * rate + slope * switch + first;
                     vec![
                         [0.0, first],
                         [switch, meets],
@@ -178,30 +133,11 @@ impl Smooth {
         valve_open: [0.0529, 0.02, 5.3142],
     };
 
-    /// Least and greatest value of each parameter, in order, for a search.
-    pub const BOUNDS: [[f64; 2]; 6] = [
-        [0.1, 0.6],
-        [-0.3, 0.4],
-        [2.0, 20.0],
-        [0.02, 0.1],
-        [0.02, 0.1],
-        [2.0, 20.0],
-    ];
-
     /// α_f (rad) and t_v (s) at a rate (rad/s).
     pub fn at(&self, rate: f64) -> [f64; 2] {
         let of =
             |[first, last, half]: [f64; 3]| last + (first - last) / (1.0 + (rate / half).powi(2));
         [of(self.firing_angle), of(self.valve_open)]
-    }
-
-    /// The law whose parameters are at these parts, from 0 to 1, of their [`BOUNDS`](Smooth::BOUNDS).
-    pub fn within_bounds(parts: &[f64]) -> Smooth {
-        let scaled = parts.iter().zip(Smooth::BOUNDS);
-        let scaled: Vec<f64> = scaled
-            .map(|(x, [low, high])| low + x * (high - low))
-            .collect();
-        Smooth::from(&scaled[..])
     }
 
     /// The law as a curve of straight lines between rates 0.5 rad/s apart.
@@ -215,23 +151,11 @@ impl Smooth {
     }
 }
 
-impl From<&[f64]> for Smooth {
-    /// From the six parameters in order; those that are not there are 0.
-    fn from(x: &[f64]) -> Smooth {
-        let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
-        Smooth {
-            firing_angle: [at(0), at(1), at(2)],
-            valve_open: [at(3), at(4), at(5)],
-        }
-    }
-}
-
 /// A program as the controller takes it, with what it refers to.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Compiled {
     Time(Law<'static, f64>),
     Knots(Vec<Knot<f64>>),
-    Policy(Table),
 }
 
 impl Compiled {
@@ -239,7 +163,6 @@ impl Compiled {
         match self {
             Compiled::Time(law) => *law,
             Compiled::Knots(knots) => Law::Lines(knots),
-            Compiled::Policy(table) => Law::Policy(table.policy()),
         }
     }
 }
@@ -315,14 +238,6 @@ impl Program {
                 rising(knots.iter().map(|k| k[0]))?;
                 let knots = knots.iter().map(|&[rate, a, open]| knot(rate, a, open));
                 Ok(Compiled::Knots(knots.collect()))
-            }
-            Program::Policy(table) => {
-                table.check()?;
-                for [firing_angle, open] in &table.nodes {
-                    angle(*firing_angle)?;
-                    open_time(*open)?;
-                }
-                Ok(Compiled::Policy(table.clone()))
             }
             Program::Learnt(learnt) => {
                 learnt.check()?;

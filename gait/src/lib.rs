@@ -3,7 +3,6 @@
 //! What decides is [`saltus_controller::run`], the code that is flashed; here it meets the robot.
 //! [`Setup`] says which robot runs how; [`run`] runs it, and gives every cycle to a closure.
 
-pub mod analysis;
 mod box_table;
 mod cast;
 mod crossing;
@@ -13,7 +12,6 @@ mod law;
 pub mod learn;
 mod learnt;
 mod logged;
-mod optimal;
 mod run;
 mod search;
 mod sensed;
@@ -29,10 +27,9 @@ pub use cast::instruments;
 pub use crossing::{Crossed, Crossing, CrossingPlan};
 pub use drawn::{Draw, Ensemble, drawn_robot};
 pub use error::GaitError;
-pub use law::{Centre, Lines, Program, Smooth, Table, second_line};
+pub use law::{Centre, Lines, Program, Smooth};
 pub use learnt::{Decides, Learnt};
 pub use logged::{Logged, Logger};
-pub use optimal::{Level, Optimal, Quest, optimal};
 pub use run::{Ending, Footfall, Obstacle, Row, Run, Setup, Summary, run};
 pub use search::{Search, search};
 pub use sensed::{Faced, Sensed};

@@ -38,8 +38,6 @@ pub struct Setup {
     pub taps: Vec<f64>,
     /// How long (s).
     pub seconds: f64,
-    /// A distance (m) to which [`Summary::time_to_mark`] says the time.
-    pub mark: f64,
     /// Speeds to hold: from each time (s) on, a speed (m/s), negative backwards.
     pub speeds: Vec<[f64; 2]>,
     /// How a speed is held.
@@ -76,7 +74,6 @@ impl Setup {
             forwards: true,
             taps: vec![0.2; 5],
             seconds,
-            mark: 1.6,
             speeds: Vec::new(),
             hold: None,
             stall: Stall {
@@ -115,7 +112,7 @@ impl Setup {
         self.program.compile(self.valve_open, (self.zone, pitch))
     }
 
-    pub(crate) fn check(&self) -> Result<(), GaitError> {
+    fn check(&self) -> Result<(), GaitError> {
         let legs = self.robot.body.legs;
         let allowed = "from 3 to 12, for a robot that runs";
         require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
@@ -294,8 +291,6 @@ pub struct Summary {
     pub reached_3_2: Option<f64>,
     /// When it had travelled 1.6 m (s).
     pub time_to_1_6_m: Option<f64>,
-    /// When it had travelled the distance of [`Setup::mark`] (s).
-    pub time_to_mark: Option<f64>,
     /// Firings.
     pub firings: usize,
     /// Touch-downs of feet on the ground.
@@ -400,7 +395,7 @@ fn gait<'s>(setup: &'s Setup, compiled: &'s Compiled) -> Gait<'s, f64> {
 }
 
 /// The rear leg on which the robot finds itself, and its wheel's count there.
-pub(crate) fn find_stand(
+fn find_stand(
     setup: &Setup,
     world: &mut World<'_>,
     gait: &Gait<'_, f64>,
@@ -499,7 +494,6 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                 speed_at_1_6: None,
                 reached_3_2: None,
                 time_to_1_6_m: None,
-                time_to_mark: None,
                 firings: 0,
                 touch_downs: 0,
                 bumps: Vec::new(),
@@ -662,9 +656,6 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         }
         if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
             s.time_to_1_6_m = Some(time);
-        }
-        if s.time_to_mark.is_none() && sign * travel >= self.setup.mark {
-            s.time_to_mark = Some(time);
         }
     }
 

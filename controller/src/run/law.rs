@@ -1,7 +1,7 @@
 //! At which lean a leg fires, and for how long.
 
+use crate::Real;
 use crate::real::tanh;
-use crate::{Axis, Real};
 
 /// A firing law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,6 @@ pub enum Law<'a, R> {
     ///
     /// Source: thesis 5.1.2, 5.1.3.
     Lines(&'a [Knot<R>]),
-    /// A table over what the robot does as a leg enters the zone.
-    Policy(Policy<'a, R>),
 }
 
 /// A knot of a law of lines.
@@ -44,29 +42,14 @@ pub struct Knot<R> {
     pub valve_open: R,
 }
 
-/// A table of firing angles and valve opening times over the rate at which a leg enters the zone:
-/// straight lines between its nodes, level beyond them. It has a row for each number of legs that have
-/// come into the zone since the start, of which the last holds from then on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Policy<'a, R> {
-    /// Rates (rad/s).
-    pub rates: Axis<R>,
-    /// Rows: with one the table is over the rate alone.
-    pub rows: usize,
-    /// Firing angle (rad) and valve opening time (s) at each rate, row after row.
-    pub nodes: &'a [[R; 2]],
-}
-
 /// A lean (rad) that no leg in the zone has.
 pub(super) const NEVER: f64 = core::f64::consts::PI;
 
 impl<R: Real> Law<'_, R> {
     /// Firing angle (rad) and valve opening time (s) at `time` (s) since the start and the rate
-    /// `rate` (rad/s); a policy looks at the rate `entry` (rad/s) at which the leg entered the zone and
-    /// at how many legs have `passed` into it since the start. What is not a number, and a law without
-    /// knots, fires never: π and 0.
+    /// `rate` (rad/s). What is not a number, and a law without knots, fires never: π and 0.
     #[inline]
-    pub fn at(&self, time: R, rate: R, entry: R, passed: i32) -> [R; 2] {
+    pub fn at(&self, time: R, rate: R) -> [R; 2] {
         let never = [R::of(NEVER), R::ZERO];
         match self {
             Law::OverTime {
@@ -80,7 +63,6 @@ impl<R: Real> Law<'_, R> {
                 [angle, *valve_open]
             }
             Law::Lines(knots) => between(knots, rate).unwrap_or(never),
-            Law::Policy(policy) => policy.at(entry, passed).unwrap_or(never),
         }
     }
 }
@@ -111,20 +93,4 @@ fn between<R: Real>(knots: &[Knot<R>], rate: R) -> Option<[R; 2]> {
         before = next;
     }
     None
-}
-
-impl<R: Real> Policy<'_, R> {
-    #[inline]
-    fn at(&self, entry: R, passed: i32) -> Option<[R; 2]> {
-        if !entry.is_finite() {
-            return None;
-        }
-        let inside = entry.greater(self.rates.first).lesser(self.rates.last);
-        let spot = self.rates.locate(inside).ok()?;
-        let row = (passed.max(0).unsigned_abs() as usize).min(self.rows.saturating_sub(1));
-        let cell = row.wrapping_mul(self.rates.count).wrapping_add(spot.cell);
-        let (from, to) = (self.nodes.get(cell)?, self.nodes.get(cell.wrapping_add(1))?);
-        let mix = |k: usize| from[k] + spot.part * (to[k] - from[k]);
-        Some([mix(0), mix(1)])
-    }
 }

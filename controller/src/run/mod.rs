@@ -16,7 +16,7 @@ mod standing;
 
 pub use ahead::Ahead;
 pub use choices::{Choices, Steps};
-pub use law::{Knot, Law, Policy};
+pub use law::{Knot, Law};
 pub use runner::{Action, Gait, Hold, Leap, Runner, Stall};
 pub use signals::{Instruments, MOST_TAPS, Readings, Signals};
 pub use standing::{Standing, Unsure};

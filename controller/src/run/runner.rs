@@ -146,11 +146,6 @@ pub struct Runner<'a, R> {
     has_fired: bool,
     /// Whether the leg in the zone has just entered it.
     enters: bool,
-    /// Rate (rad/s) at which the leg in the zone entered it.
-    entry: R,
-    /// Legs that entered the zone since the start, the last turn or the last restart, less those that
-    /// came back into it.
-    passed: i32,
     /// Cycles for which it has stood still.
     still: u32,
     /// Demanded speed (m/s), positive forwards, negative backwards.
@@ -197,8 +192,6 @@ impl<'a, R: Real> Runner<'a, R> {
             direction: 1,
             has_fired: false,
             enters: true,
-            entry: R::ZERO,
-            passed: 0,
             still: 0,
             demand: R::ZERO,
             sum: R::ZERO,
@@ -257,13 +250,12 @@ impl<'a, R: Real> Runner<'a, R> {
         self.choice = None;
         self.enters = true;
         self.find_leg(wheel);
-        self.passed = 0;
     }
 
     /// Firings count from 0 again, no foot has come down since, and no jump is under way.
     #[inline]
     fn begin_anew(&mut self) {
-        (self.firings, self.passed) = (0, 0);
+        self.firings = 0;
         (self.since_shock, self.touched) = (u32::MAX, None);
         self.end_leap();
     }
@@ -303,7 +295,6 @@ impl<'a, R: Real> Runner<'a, R> {
         for _ in 0..13 {
             if lean >= high {
                 self.leg = self.leg.wrapping_add(1);
-                self.passed = self.passed.saturating_add(1);
                 if self.leg >= legs {
                     (self.leg, self.base) = (0, self.base.wrapping_add(turn));
                 }
@@ -312,7 +303,6 @@ impl<'a, R: Real> Runner<'a, R> {
                     (self.leg, self.base) = (legs, self.base.wrapping_sub(turn));
                 }
                 self.leg = self.leg.wrapping_sub(1);
-                self.passed = self.passed.saturating_sub(1);
             } else {
                 break;
             }
@@ -326,12 +316,6 @@ impl<'a, R: Real> Runner<'a, R> {
     #[inline]
     fn lean(&self, wheel: i32) -> R {
         self.turned(wheel) + self.offset - count::<R>(self.leg) * self.pitch
-    }
-
-    /// How many legs have come into the zone since the start, the last turn or the last restart, less
-    /// those that left it backwards.
-    pub fn passed(&self) -> i32 {
-        self.passed
     }
 
     /// The name of leg `leg` on the robot.
@@ -351,7 +335,7 @@ impl<'a, R: Real> Runner<'a, R> {
         let lean = self.find_leg(readings.wheel);
         let rate = self.signals.rate(readings) * R::of_count(self.direction);
         if self.enters {
-            (self.entry, self.enters) = (rate, false);
+            self.enters = false;
             self.choice = self.choose(rate, distance, readings.pivot);
         }
         let time = count::<R>(self.cycles) * self.gait.period;
@@ -435,7 +419,7 @@ impl<'a, R: Real> Runner<'a, R> {
         match (self.choice, self.gait.first.get(self.firings as usize)) {
             (Some(choice), _) => choice.firing,
             (None, Some(first)) => *first,
-            (None, None) => self.gait.law.at(time, rate, self.entry, self.passed),
+            (None, None) => self.gait.law.at(time, rate),
         }
     }
 

@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 
 use proptest::prelude::*;
 use saltus_controller::run::{
-    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Policy, Readings, Runner,
-    Signals, Stall, Standing, Unsure,
+    Action, Ahead, Gait, Hold, Instruments, Knot, Law, Leap, MOST_TAPS, Readings, Runner, Signals,
+    Stall, Standing, Unsure,
 };
 use saltus_controller::{Axis, Real};
 
@@ -101,7 +101,7 @@ fn by_time<R: Real>(x: R) -> R {
         level: R::ZERO,
         valve_open: R::ONE,
     };
-    law.at(x, R::ZERO, R::ZERO, 0)[0]
+    law.at(x, R::ZERO)[0]
 }
 
 #[test]
@@ -364,107 +364,14 @@ fn lines_hold_between_knots_and_jump_where_two_are_at_one_rate() {
         (9.0, -0.3, 0.02),
         (1e9, -0.3, 0.02),
     ] {
-        let is = Law::Lines(&knots).at(0.0, rate, 0.0, 0);
+        let is = Law::Lines(&knots).at(0.0, rate);
         assert!((is[0] - angle).abs() < 1e-12, "{rate}: {is:?}");
         assert!((is[1] - open).abs() < 1e-12, "{rate}: {is:?}");
     }
     for rate in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        assert_eq!(Law::Lines(&knots).at(0.0, rate, 0.0, 0)[1], 0.0);
+        assert_eq!(Law::Lines(&knots).at(0.0, rate)[1], 0.0);
     }
-    assert_eq!(Law::<f64>::Lines(&[]).at(0.0, 1.0, 1.0, 0)[1], 0.0);
-}
-
-#[test]
-fn a_policy_looks_at_the_rate_of_entry() {
-    let nodes = [[0.3, 0.02], [0.1, 0.04], [0.0, 0.08]];
-    let policy = |nodes| {
-        Law::Policy(Policy {
-            rates: Axis::new(2.0, 6.0, 3),
-            rows: 1,
-            nodes,
-        })
-    };
-    for (entry, angle, open) in [
-        (0.0, 0.3, 0.02),
-        (3.0, 0.2, 0.03),
-        (4.0, 0.1, 0.04),
-        (5.5, 0.025, 0.07),
-        (60.0, 0.0, 0.08),
-    ] {
-        let is: [f64; 2] = policy(&nodes).at(0.0, -1.0, entry, 7);
-        assert!(
-            (is[0] - angle).abs() < 1e-12 && (is[1] - open).abs() < 1e-12,
-            "{entry}: {is:?}"
-        );
-    }
-    // A table with fewer nodes than its axis says, and what is no rate.
-    assert_eq!(policy(&nodes[..2]).at(0.0, 1.0, 5.5, 0)[1], 0.0);
-    assert_eq!(policy(&nodes).at(0.0, 1.0, f64::NAN, 0)[1], 0.0);
-    // The rate of entry holds through the zone, whatever the wheel then does.
-    let mut gait = gait(5);
-    gait.law = policy(&nodes);
-    let mut runner = Runner::new(gait, 0, 0, true);
-    runner.step(&readings(0, 3.0));
-    assert!((runner.step(&readings(239, 5.0)).firing_angle - 0.2).abs() < 1e-12);
-    assert!((runner.step(&readings(241, 5.5)).firing_angle - 0.025).abs() < 1e-12);
-}
-
-/// Fires `gait` over a wheel that rolls from `count` on, forwards or back, a count a cycle: legs and
-/// firing angles of the firings.
-fn rolls(runner: &mut Runner<'_, f64>, counts: impl Iterator<Item = i32>) -> Vec<(u32, f64)> {
-    let step = |count| runner.step(&readings(count, 3.0));
-    let fired = counts.map(step).filter(|action| action.leg.is_some());
-    fired
-        .map(|action| (action.in_zone, action.firing_angle))
-        .collect()
-}
-
-/// A row for each leg that has come into the zone; the last holds on; they begin anew with a turn.
-#[test]
-fn a_policy_has_a_row_for_each_leg_that_has_come() {
-    let nodes = [
-        [0.6, 0.02],
-        [0.6, 0.02],
-        [0.1, 0.04],
-        [0.1, 0.04],
-        [0.2, 0.08],
-        [0.2, 0.08],
-    ];
-    let policy = Policy {
-        rates: Axis::new(2.0, 6.0, 2),
-        rows: 3,
-        nodes: &nodes,
-    };
-    for (passed, angle) in [
-        (i32::MIN, 0.6),
-        (0, 0.6),
-        (1, 0.1),
-        (2, 0.2),
-        (3, 0.2),
-        (i32::MAX, 0.2),
-    ] {
-        assert_eq!(
-            Law::Policy(policy).at(0.0, 0.0, 3.0, passed)[0],
-            angle,
-            "{passed}"
-        );
-    }
-    // Rows that are not there.
-    let few = Policy { rows: 9, ..policy };
-    assert_eq!(Law::Policy(few).at(0.0, 0.0, 3.0, 5)[1], 0.0);
-
-    let mut gait = gait(5);
-    gait.law = Law::Policy(policy);
-    let mut runner = Runner::new(gait, 0, 0, true);
-    // A pitch is 480 counts. The rear leg at 0.628 rad, then legs 1, 2 and 3.
-    let fired = rolls(&mut runner, 0..1440);
-    assert_eq!(fired, [(0, 0.6), (1, 0.1), (2, 0.2), (3, 0.2)]);
-    assert_eq!(runner.passed(), 3);
-    // Back by a leg, and on: the same row again.
-    rolls(&mut runner, (900..1440).rev());
-    assert_eq!(runner.passed(), 2);
-    runner.turn_round(900);
-    assert_eq!(runner.passed(), 0);
+    assert_eq!(Law::<f64>::Lines(&[]).at(0.0, 1.0)[1], 0.0);
 }
 
 /// A millimetre a count, and a mean of the speed over 10 ms.
@@ -970,25 +877,16 @@ fn any_gait<'a>(
     (taps, first): (&'a [f32], &'a [[f32; 2]]),
 ) -> Gait<'a, f32> {
     let [a, b, c, d, e] = std::array::from_fn(|_| number(random));
-    let law = match random.word() % 3 {
-        0 => Law::OverTime {
+    let law = if random.word().is_multiple_of(2) {
+        Law::OverTime {
             amplitude: a,
             slope: b,
             shift: c,
             level: d,
             valve_open: e,
-        },
-        1 => Law::Lines(knots),
-        _ => Law::Policy(Policy {
-            rates: Axis {
-                first: a,
-                last: b,
-                per_unit: c,
-                count: random.word() as usize % 9,
-            },
-            rows: random.word() as usize % 5,
-            nodes,
-        }),
+        }
+    } else {
+        Law::Lines(knots)
     };
     let mut instruments = instruments::<f32>();
     if random.word().is_multiple_of(2) {

@@ -48,15 +48,6 @@ impl Algorithm {
     }
 }
 
-/// What a visit makes of a trace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Traces {
-    /// It grows by 1, as in the thesis.
-    Accumulating,
-    /// It is 1.
-    Replacing,
-}
-
 /// The numbers of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -66,8 +57,6 @@ pub struct Rates {
     pub gamma: f64,
     /// Decay λ of traces; without effect in one-step algorithms.
     pub lambda: f64,
-    /// What a visit makes of a trace.
-    pub traces: Traces,
 }
 
 impl Rates {
@@ -86,8 +75,7 @@ impl Rates {
 /// Traces below this share of a new one are dropped: their part of a value is below round-off.
 const FADED: f64 = 1e-18;
 
-/// Values Q(s, a), and how they are learnt: the sum over the states in which the robot is, one in a table, and one in
-/// each tiling of a linear approximation.
+/// Values Q(s, a), and how they are learnt.
 #[derive(Clone, Debug)]
 pub struct Tabular {
     algorithm: Algorithm,
@@ -102,15 +90,15 @@ pub struct Tabular {
 
 /// What came of an action, and what comes next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen<'s> {
-    /// States before, one in each tiling.
-    pub states: &'s [usize],
+pub struct Seen {
+    /// State before.
+    pub state: usize,
     /// What was done.
     pub action: usize,
     /// What it gave.
     pub reward: f64,
-    /// States after, and what is going to be done there; none after the end.
-    pub next: Option<(&'s [usize], usize)>,
+    /// State after, and what is going to be done there; none after the end.
+    pub next: Option<(usize, usize)>,
 }
 
 impl Tabular {
@@ -155,48 +143,40 @@ impl Tabular {
         Ok(self)
     }
 
-    /// Makes `action` the best in `state`: its value is 1, that of the others 0.
-    pub(super) fn prefer(&mut self, state: usize, action: usize) {
-        let values = &mut self.values[state * self.actions..][..self.actions];
-        values.fill(0.0);
-        values[action] = 1.0;
+    /// Value of an action in `state`.
+    pub fn value(&self, state: usize, action: usize) -> f64 {
+        self.values[state * self.actions + action]
     }
 
-    /// Value of an action in `states`, one in each tiling.
-    pub fn value(&self, states: &[usize], action: usize) -> f64 {
-        let one = |state: &usize| self.values[state * self.actions + action];
-        states.iter().map(one).sum()
+    fn greatest(&self, state: usize) -> f64 {
+        let values = &self.values[state * self.actions..][..self.actions];
+        values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    fn greatest(&self, states: &[usize]) -> f64 {
-        let values = (0..self.actions).map(|action| self.value(states, action));
-        values.fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// The best action in `states`; of several, one at random.
-    pub fn greedy(&self, states: &[usize], random: &mut Pcg64) -> usize {
-        let best = self.greatest(states);
-        let is_best = |action: &usize| self.value(states, *action) >= best;
+    /// The best action in `state`; of several, one at random.
+    pub fn greedy(&self, state: usize, random: &mut Pcg64) -> usize {
+        let best = self.greatest(state);
+        let is_best = |action: &usize| self.value(state, *action) >= best;
         let count = (0..self.actions).filter(is_best).count();
         let chosen = if count > 1 { below(count, random) } else { 0 };
         (0..self.actions).filter(is_best).nth(chosen).unwrap_or(0)
     }
 
-    /// The best action in `states`; of several, the first: what a robot does with a table that it was given.
-    pub fn best(&self, states: &[usize]) -> usize {
-        let best = self.greatest(states);
+    /// The best action in `state`; of several, the first: what a robot does with a table that it was given.
+    pub fn best(&self, state: usize) -> usize {
+        let best = self.greatest(state);
         let mut actions = 0..self.actions;
         actions
-            .find(|action| self.value(states, *action) >= best)
+            .find(|action| self.value(state, *action) >= best)
             .unwrap_or(0)
     }
 
     /// An action: with probability `epsilon` any one, else the best.
-    pub fn choose(&self, states: &[usize], epsilon: f64, random: &mut Pcg64) -> usize {
+    pub fn choose(&self, state: usize, epsilon: f64, random: &mut Pcg64) -> usize {
         if epsilon > 0.0 && unit(random) < epsilon {
             below(self.actions, random)
         } else {
-            self.greedy(states, random)
+            self.greedy(state, random)
         }
     }
 
@@ -208,34 +188,27 @@ impl Tabular {
     }
 
     /// Learns from a step.
-    pub fn learn(&mut self, seen: &Seen<'_>) {
+    pub fn learn(&mut self, seen: &Seen) {
         let Rates { alpha, gamma, .. } = self.rates;
         let after = seen
             .next
-            .map_or(0.0, |(states, action)| match self.algorithm {
-                Algorithm::Sarsa | Algorithm::SarsaLambda => self.value(states, action),
-                Algorithm::Q | Algorithm::QLambda => self.greatest(states),
+            .map_or(0.0, |(state, action)| match self.algorithm {
+                Algorithm::Sarsa | Algorithm::SarsaLambda => self.value(state, action),
+                Algorithm::Q | Algorithm::QLambda => self.greatest(state),
             });
-        let delta = seen.reward + gamma * after - self.value(seen.states, seen.action);
-        // Each tiling takes its part of the step.
-        let step = alpha / seen.states.len() as f64 * delta;
-        let place = |state: &usize| state * self.actions + seen.action;
+        let delta = seen.reward + gamma * after - self.value(seen.state, seen.action);
+        let place = seen.state * self.actions + seen.action;
         if !self.algorithm.has_traces() {
-            for place in seen.states.iter().map(place) {
-                self.values[place] += step;
-            }
+            self.values[place] += alpha * delta;
             return;
         }
         // Watkins: what follows an action that is not greedy says nothing of the best policy. Greedy by
         // the table before this step, as in the thesis (6.2.5).
-        let is_greedy = |(states, action): (&[usize], usize)| {
-            self.value(states, action) >= self.greatest(states)
-        };
+        let is_greedy =
+            |(state, action): (usize, usize)| self.value(state, action) >= self.greatest(state);
         let is_cut = self.algorithm == Algorithm::QLambda && !seen.next.is_some_and(is_greedy);
-        for state in seen.states {
-            self.visit(state * self.actions + seen.action);
-        }
-        self.credit(step);
+        self.visit(place);
+        self.credit(alpha * delta);
         if is_cut {
             self.begin();
         }
@@ -247,13 +220,7 @@ impl Tabular {
                 self.eligible.push((place, 1.0));
                 self.slots[place] = u32::try_from(self.eligible.len()).unwrap_or(0);
             }
-            slot => {
-                let trace = &mut self.eligible[slot as usize - 1].1;
-                *trace = match self.rates.traces {
-                    Traces::Accumulating => *trace + 1.0,
-                    Traces::Replacing => 1.0,
-                };
-            }
+            slot => self.eligible[slot as usize - 1].1 += 1.0,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::GaitError;
 use crate::error::require;
 
 use super::bins::Bins;
-use super::process::{Act, Environment, Episode, Outcome};
+use super::process::{Act, Environment, Outcome};
 use super::tabular::{Algorithm, Rates, Seen, Tabular};
 
 /// How exploration fades.
@@ -22,7 +22,7 @@ pub struct Schedule {
 
 impl Schedule {
     /// Share of random actions in an episode.
-    pub(super) fn share(&self, episode: usize) -> f64 {
+    fn share(&self, episode: usize) -> f64 {
         let exponent = i32::try_from(episode).unwrap_or(i32::MAX);
         self.epsilon * self.decay.powi(exponent)
     }
@@ -58,7 +58,7 @@ pub struct Score {
 
 impl Training<'_> {
     /// How many choices there are.
-    pub(super) fn check(&self) -> Result<usize, GaitError> {
+    fn check(&self) -> Result<usize, GaitError> {
         let Schedule {
             epsilon,
             decay,
@@ -139,34 +139,31 @@ fn one(
     let mut random = Pcg64::new(u128::from(seed), 2 * episode as u128);
     let start = Training::start_of((seed, episode));
     let mut running = training.environment.start(start)?;
-    let mut choose = |table: &Tabular, states: &[usize]| match epsilon {
-        Some(share) => table.choose(states, share, &mut random),
-        None => table.best(states),
+    let mut choose = |table: &Tabular, state: usize| match epsilon {
+        Some(share) => table.choose(state, share, &mut random),
+        None => table.best(state),
     };
     let mut score = Score::default();
-    let (mut states, mut next) = (Vec::new(), Vec::new());
     table.begin();
-    let look = |running: &dyn Episode, states: &mut Vec<usize>| {
-        usize::from(training.bins.states_of(running.observation(), states))
-    };
-    score.outside += look(running.as_ref(), &mut states);
-    let mut action = choose(table, &states);
+    let (mut state, outside) = training.bins.state_of(running.observation());
+    score.outside += usize::from(outside);
+    let mut action = choose(table, state);
     loop {
         let step = running.step(Act::Choice(action))?;
         score.total += step.reward;
         score.steps += 1;
-        score.outside += look(running.as_ref(), &mut next);
-        let after = choose(table, &next);
+        let (next, outside) = training.bins.state_of(running.observation());
+        score.outside += usize::from(outside);
+        let after = choose(table, next);
         if epsilon.is_some() {
             table.learn(&Seen {
-                states: &states,
+                state,
                 action,
                 reward: step.reward,
-                next: (!step.terminated).then_some((&next, after)),
+                next: (!step.terminated).then_some((next, after)),
             });
         }
-        std::mem::swap(&mut states, &mut next);
-        action = after;
+        (state, action) = (next, after);
         if step.is_over() {
             score.outcome = running.outcome();
             return Ok(score);

@@ -438,7 +438,7 @@ impl Decides<'_> {
             Decides::Disc(compiled, waits) => {
                 *waits |= entered;
                 let rate = ball.rolling.rate;
-                let [angle, open] = compiled.law().at(ball.time, rate, rate, 0);
+                let [angle, open] = compiled.law().at(ball.time, rate);
                 let fires = *waits && ball.rolling.lean >= angle && open > 0.0;
                 let Some(station) = tracker.station().filter(|_| fires) else {
                     return Vec::new();

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use saltus_gait::GaitError;
 use saltus_gait::learn::{
     Act, Actions, Algorithm, Axis, Bin, Bins, Environment, Episode, Outcome, Rates, Schedule, Seen,
-    Step, Tabular, Traces, Training, greedy, hill_climb, train,
+    Step, Tabular, Training, greedy, train,
 };
 
 /// From a state and an action: the next state, the reward, and whether it is the end.
@@ -125,7 +125,6 @@ fn rates(alpha: f64, gamma: f64, lambda: f64) -> Rates {
         alpha,
         gamma,
         lambda,
-        traces: Traces::Accumulating,
     }
 }
 
@@ -165,10 +164,7 @@ fn a_random_walk_has_its_values() -> Result<(), GaitError> {
         });
         let tables: Vec<Tabular> = tables.collect::<Result<_, GaitError>>()?;
         for state in 1..6 {
-            let values: Vec<f64> = tables
-                .iter()
-                .map(|table| table.value(&[state], 0))
-                .collect();
+            let values: Vec<f64> = tables.iter().map(|table| table.value(state, 0)).collect();
             let (value, error) = mean(&values);
             let exact = state as f64 / 6.0;
             assert!(
@@ -341,61 +337,49 @@ fn q_learning_comes_to_the_exact_values() -> Result<(), GaitError> {
 fn traces_that_are_listed_give_the_values_of_a_full_table() -> Result<(), GaitError> {
     const STATES: usize = 12;
     for algorithm in [Algorithm::SarsaLambda, Algorithm::QLambda] {
-        for traces in [Traces::Accumulating, Traces::Replacing] {
-            let given = Rates {
-                traces,
-                ..rates(0.3, 0.9, 0.8)
-            };
-            let mut table = Tabular::new(algorithm, given, (STATES, 3))?;
-            let mut random = Pcg64::new(7, 7);
-            let (mut dense, mut trace) = ([[0.0; 3]; STATES], [[0.0; 3]; STATES]);
-            let mut draw = |below: f64| whole((unit(&mut random) * below).floor());
-            let (mut state, mut action) = (0, 0);
-            for step in 0..3000 {
-                let reward = draw(5.0) as f64 - 2.0;
-                let next = (step % 50 != 49).then(|| (draw(12.0), draw(3.0)));
-                let after = next.map(|(state, action)| ([state], action));
-                table.learn(&Seen {
-                    states: &[state],
-                    action,
-                    reward,
-                    next: after
-                        .as_ref()
-                        .map(|(states, action)| (&states[..], *action)),
-                });
-                // As the thesis writes it, over all states and actions.
-                let best = |row: &[f64; 3]| row.iter().copied().fold(f64::MIN, f64::max);
-                let after = next.map_or(0.0, |(s, a)| match algorithm {
-                    Algorithm::SarsaLambda => dense[s][a],
-                    _ => best(&dense[s]),
-                });
-                let delta = reward + 0.9 * after - dense[state][action];
-                trace[state][action] = match traces {
-                    Traces::Accumulating => trace[state][action] + 1.0,
-                    Traces::Replacing => 1.0,
-                };
-                // Q_{t-1}, the table before the update, says whether the next action is greedy.
-                let goes_on = next.is_some_and(|(s, a)| {
-                    algorithm == Algorithm::SarsaLambda || dense[s][a] >= best(&dense[s])
-                });
-                for (row, e) in dense.iter_mut().zip(&trace) {
-                    for (value, e) in row.iter_mut().zip(e) {
-                        *value += 0.3 * delta * e;
-                    }
+        let mut table = Tabular::new(algorithm, rates(0.3, 0.9, 0.8), (STATES, 3))?;
+        let mut random = Pcg64::new(7, 7);
+        let (mut dense, mut trace) = ([[0.0; 3]; STATES], [[0.0; 3]; STATES]);
+        let mut draw = |below: f64| whole((unit(&mut random) * below).floor());
+        let (mut state, mut action) = (0, 0);
+        for step in 0..3000 {
+            let reward = draw(5.0) as f64 - 2.0;
+            let next = (step % 50 != 49).then(|| (draw(12.0), draw(3.0)));
+            table.learn(&Seen {
+                state,
+                action,
+                reward,
+                next,
+            });
+            // As the thesis writes it, over all states and actions.
+            let best = |row: &[f64; 3]| row.iter().copied().fold(f64::MIN, f64::max);
+            let after = next.map_or(0.0, |(s, a)| match algorithm {
+                Algorithm::SarsaLambda => dense[s][a],
+                _ => best(&dense[s]),
+            });
+            let delta = reward + 0.9 * after - dense[state][action];
+            trace[state][action] += 1.0;
+            // Q_{t-1}, the table before the update, says whether the next action is greedy.
+            let goes_on = next.is_some_and(|(s, a)| {
+                algorithm == Algorithm::SarsaLambda || dense[s][a] >= best(&dense[s])
+            });
+            for (row, e) in dense.iter_mut().zip(&trace) {
+                for (value, e) in row.iter_mut().zip(e) {
+                    *value += 0.3 * delta * e;
                 }
-                let fade = if goes_on { 0.9 * 0.8 } else { 0.0 };
-                trace.iter_mut().flatten().for_each(|e| *e *= fade);
-                if next.is_none() {
-                    table.begin();
-                }
-                (state, action) = next.unwrap_or_else(|| (draw(12.0), draw(3.0)));
             }
-            for (found, exact) in table.values().iter().zip(dense.as_flattened()) {
-                assert!(
-                    (found - exact).abs() < 1e-12 * exact.abs().max(1.0),
-                    "{found} {exact}"
-                );
+            let fade = if goes_on { 0.9 * 0.8 } else { 0.0 };
+            trace.iter_mut().flatten().for_each(|e| *e *= fade);
+            if next.is_none() {
+                table.begin();
             }
+            (state, action) = next.unwrap_or_else(|| (draw(12.0), draw(3.0)));
+        }
+        for (found, exact) in table.values().iter().zip(dense.as_flattened()) {
+            assert!(
+                (found - exact).abs() < 1e-12 * exact.abs().max(1.0),
+                "{found} {exact}"
+            );
         }
     }
     Ok(())
@@ -412,55 +396,6 @@ fn learning_goes_on_where_it_was_left() -> Result<(), GaitError> {
     let mut again = training.table()?.with_values(parts.values().to_vec())?;
     train(&training, &mut again, (3, 17), |_, _, _| true)?;
     assert_eq!(whole.values(), again.values());
-    Ok(())
-}
-
-/// Twelve locks in a row, each opened by one of four actions; any other ends the episode.
-fn locks(state: usize, action: usize, _: &mut Pcg64) -> (usize, f64, bool) {
-    if action == (3 * state + 1) % 4 {
-        (state + 1, 1.0, state == 11)
-    } else {
-        (state, 0.0, true)
-    }
-}
-
-#[test]
-fn hill_climbing_opens_all_locks_and_goes_on_where_it_was_left() -> Result<(), GaitError> {
-    const NONE: f64 = f64::NEG_INFINITY;
-    let task = Numbered::new((13, 4), 0, locks);
-    let of_all = Schedule {
-        epsilon: 0.1,
-        decay: 1.0,
-        episodes: 1500,
-    };
-    let training = task.training(Algorithm::Q, rates(0.0, 0.0, 0.0), of_all);
-    for seed in 0..5 {
-        let mut table = training.table()?;
-        let mut totals = Vec::new();
-        hill_climb(&training, &mut table, (seed, 0), NONE, |_, score| {
-            totals.push(score.total);
-            true
-        })?;
-        assert_eq!(greedy(&training, &table, (seed, 0))?.total, 12.0);
-        // The first table is drawn: a lock opens once in four.
-        assert!(totals[0] < 6.0, "{totals:?}");
-
-        let mut again = training.table()?;
-        let mut best = NONE;
-        hill_climb(&training, &mut again, (seed, 0), NONE, |episode, score| {
-            best = best.max(score.total);
-            episode < 40
-        })?;
-        let mut again = training.table()?.with_values(again.values().to_vec())?;
-        hill_climb(&training, &mut again, (seed, 41), best, |_, _| true)?;
-        assert_eq!(table.values(), again.values());
-    }
-    let tiled = Training {
-        bins: task.bins().tiled(2)?,
-        ..training
-    };
-    let mut table = tiled.table()?;
-    assert!(hill_climb(&tiled, &mut table, (1, 0), NONE, |_, _| true).is_err());
     Ok(())
 }
 

@@ -1,18 +1,12 @@
-//! Tests of the analysis of gaits, in one binary: linking is what takes time.
+//! Tests of running robots, in one binary: linking is what takes time.
 
-mod basin;
 mod energy;
-mod frontier;
 mod learn;
 mod learn_tasks;
-mod optimal;
 mod passive;
-mod periodic;
-mod report;
 mod rest;
 mod sensed;
 mod space;
-mod stride;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};
 use saltus_robot::{Robot, resolve};
@@ -21,13 +15,6 @@ use saltus_robot::{Robot, resolve};
 fn robot(name: &str) -> Robot {
     let path = format!("{}/../robots/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     resolve(&path, &[] as &[String]).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
-
-/// The robot that runs, without its boom.
-fn planar() -> Robot {
-    let mut planar = robot("rats-run");
-    planar.boom = None;
-    planar
 }
 
 /// The robot that runs, fired at 0.1 rad, pushed at 0.5 s: thesis 5.1.2.

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use saltus::Robot;
-use saltus::learning::{Policy, PolicyFile, Settings};
+use saltus::gait::learn::Tabular;
+use saltus::learning::{PolicyFile, Settings};
 
 use crate::error::CliError;
 use crate::input;
@@ -11,7 +12,7 @@ use crate::input;
 /// What one seed learnt.
 pub(super) struct Learned {
     pub(super) settings: Settings,
-    pub(super) policy: Policy,
+    pub(super) table: Tabular,
     pub(super) seed: u64,
 }
 
@@ -29,10 +30,10 @@ impl Learned {
             let given = seed.unwrap_or_default();
             return Err(CliError::flag("--policy-seed", given, allowed));
         };
-        let policy = Policy::of(&settings, &held.values);
+        let table = settings.table(&held.values);
         Ok(Learned {
             seed: held.seed,
-            policy: policy.map_err(|error| CliError::content(&name, error))?,
+            table: table.map_err(|error| CliError::content(&name, error))?,
             settings,
         })
     }

@@ -1,6 +1,5 @@
 //! The commands: one file each.
 
-mod best;
 mod common;
 mod completions;
 mod diagnose;

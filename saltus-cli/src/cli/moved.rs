@@ -46,6 +46,14 @@ const MOVED: &[Moved] = &[
     to_study("jump", "--map", "ball_jump map 0.2"),
     to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
     to_study("run", "--bears", "bears steer 40 bears-steer.svg"),
+    to_study("run", "--analyse", "analyse"),
+    to_study("run", "--gait optimal", "optimal 3 1.6 0.9 100"),
+    to_study("export", "--gait optimal", "optimal 3 1.6 0.9 100"),
+    to_study("learn", "--algorithm bayes", "few_strides 30 60"),
+    to_study("learn", "--algorithm cma-es", "few_strides 30 60"),
+    to_study("learn", "--algorithm hill-climbing", "hill_climbing 30 500"),
+    to_study("learn", "--tilings", "seen_states 30 500"),
+    to_study("learn", "--replacing", "seen_states 30 500"),
 ];
 
 /// What is a study now.

@@ -215,8 +215,6 @@ const ANSWERS_NO: [&str; 11] = [
     "run --gait closed-loop --seconds 5 --mcap run.mcap",
     "run --gait closed-loop --seconds 5 --plot run.svg --animate run.html",
     "run --gait fixed --seconds 3",
-    // It does not come to 1.6 m in time.
-    "run --gait optimal --robot rats-planar --refinements 1",
     // The box is a centimetre too high for nine robots in ten, and for the boom.
     "jump --obstacle 0.16x0.21@1.3",
     "plan saltus/examples/box.toml --plant rats-boom",

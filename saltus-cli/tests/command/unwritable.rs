@@ -19,10 +19,6 @@ const LONG: &[(&str, &str)] = &[
     ),
     ("plan", "nowhere.toml"),
     ("verify", "nowhere.toml"),
-    (
-        "run",
-        "--gait optimal --refinements 4 --seconds 1000 --exact",
-    ),
     ("run", "--gait fixed --seconds 1000 --robots 1000 --exact"),
     ("run", "--robot rats-twelve --seconds 60 --robots 1000"),
     (

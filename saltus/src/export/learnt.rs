@@ -1,13 +1,13 @@
 //! A table that was learnt, as C or Rust.
 
 use saltus_controller::c_source::POLICY as HEADER;
-use saltus_gait::learn::{Actions, Axis, Task};
+use saltus_gait::learn::{Actions, Axis, Tabular, Task};
 use saltus_gait::{Decides, GaitError};
 
 use super::c::{comment, fill, number_words};
 use super::fingerprint;
 use super::numbers::Number;
-use crate::learning::{Policy, Settings};
+use crate::learning::Settings;
 
 /// What is written of a table that was learnt.
 #[derive(Clone, Debug)]
@@ -21,24 +21,18 @@ pub struct LearntTable {
 const LINE: usize = 48;
 
 impl LearntTable {
-    /// The table of `policy`, which was learnt with `seed` under `settings`; none of a law, which is no table.
+    /// `table`, which was learnt with `seed` under `settings`.
     ///
     /// # Errors
-    /// [`GaitError`] for a table of several tilings.
-    pub fn new(
-        policy: &Policy,
-        settings: &Settings,
-        seed: u64,
-    ) -> Result<Option<LearntTable>, GaitError> {
-        let saltus_gait::Program::Learnt(learnt) = policy.program(settings)? else {
-            return Ok(None);
-        };
+    /// [`GaitError`] for a robot that cannot run.
+    pub fn new(table: &Tabular, settings: &Settings, seed: u64) -> Result<LearntTable, GaitError> {
+        let learnt = settings.policy(table)?;
         let robot = &settings.plant.robot;
         let mut about = vec![
             format!(
                 "What seed {seed} learnt in {} by {} on the robot {}, whose file's SHA-256 begins {}.",
                 settings.task.name(),
-                settings.method.name(),
+                settings.algorithm.name(),
                 robot.name.escape_default(),
                 fingerprint(robot)
             ),
@@ -54,7 +48,7 @@ impl LearntTable {
             .collect();
         about.push(format!("Observed, in this order: {}.", observed.join(", ")));
         about.extend(choices(&learnt.decides, environment.actions()));
-        Ok(Some(LearntTable { about, learnt }))
+        Ok(LearntTable { about, learnt })
     }
 
     /// `saltus_policy.h`, in C99 with nothing else.

@@ -1,6 +1,5 @@
 //! What decides on a running robot, as C: the code, and the robot's constants.
 
-use saltus_controller::Axis;
 use saltus_controller::c_source::{RUNNING as SOURCE, RUNNING_HEADER as HEADER};
 use saltus_controller::run::{Gait, Hold, Law, Leap};
 use saltus_gait::{GaitError, Setup};
@@ -144,7 +143,6 @@ fn first<R: Number>(first: &[[f64; 2]]) -> (String, String) {
 /// The data that a law refers to, and the law.
 fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
     let c = |x: f64| R::of(x).c();
-    let zeros = |count: usize| vec![R::ZERO.c(); count].join(", ");
     match law {
         Law::OverTime {
             amplitude,
@@ -154,8 +152,8 @@ fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
             valve_open,
         } => {
             let numbers = [*amplitude, *slope, *shift, *level, *valve_open].map(c);
-            let (numbers, none) = (numbers.join(", "), zeros(3));
-            let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, {none}, 0, 0, 0}}");
+            let numbers = numbers.join(", ");
+            let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, 0}}");
             (String::new(), law)
         }
         Law::Lines(knots) => {
@@ -164,29 +162,13 @@ fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
                 format!("    {{{}}},\n", knot.join(", "))
             };
             let (count, rows) = (knots.len(), knots.iter().map(row).collect::<String>());
-            let (before, none) = (zeros(5), zeros(3));
+            let before = vec![R::ZERO.c(); 5].join(", ");
             (
                 format!(
                     "/* Rate (rad/s), firing angle (rad), valve opening time (s). */\n\
                      static const saltus_knot running_knots[{count}] = {{\n{rows}}};\n"
                 ),
-                format!("{{SALTUS_LINES, {before}, running_knots, {none}, 0, {count}, 0}}"),
-            )
-        }
-        Law::Policy(policy) => {
-            let row = |node: &[f64; 2]| format!("    {{{}}},\n", node.map(c).join(", "));
-            let (all, count, rows) = (policy.nodes.len(), policy.rates.count, policy.rows);
-            let nodes = policy.nodes.iter().map(row).collect::<String>();
-            let ends = [policy.rates.first, policy.rates.last].map(R::of);
-            let axis = Axis::new(ends[0], ends[1], count);
-            let axis = [axis.first, axis.last, axis.per_unit].map(R::c).join(", ");
-            let before = zeros(5);
-            (
-                format!(
-                    "/* Firing angle (rad), valve opening time (s), row after row. */\n\
-                     static const saltus_real running_nodes[{all}][2] = {{\n{nodes}}};\n"
-                ),
-                format!("{{SALTUS_POLICY, {before}, 0, {axis}, running_nodes, {count}, {rows}}}"),
+                format!("{{SALTUS_LINES, {before}, running_knots, {count}}}"),
             )
         }
     }

@@ -2,13 +2,21 @@
 
 use std::path::Path;
 
-use saltus_gait::learn::{Bin, Bins, Outcome, Rates, Reward, Score, Term, Traces};
+use saltus_gait::learn::{Algorithm, Bin, Bins, Outcome, Rates, Reward, Score, Term};
 use saltus_gait::{Disturbance, Draw, What, When};
 use saltus_robot::Robot;
 use serde_json::{Map, Value, json};
 
-use super::{Learnt, Method, Settings, Task};
+use super::{Learnt, Settings, Task};
 use crate::input::{self, InputError};
+
+/// The value of a key of an object, of which it is taken; the error of `$wrong` names the key.
+macro_rules! take {
+    ($object:ident, $key:literal, $wrong:expr) => {
+        serde_json::from_value($object.remove($key).unwrap_or_default())
+            .map_err(|error| $wrong($key, error.to_string()))?
+    };
+}
 
 /// Greatest size of a file (MiB).
 const LIMIT_MIB: u64 = 1024;
@@ -56,12 +64,23 @@ pub enum PolicyError {
     },
 }
 
+impl PolicyError {
+    /// What is wrong with a key of `file`.
+    fn content(file: &str) -> impl Fn(&str, String) -> PolicyError {
+        |key, reason| PolicyError::Content {
+            file: file.into(),
+            key: key.into(),
+            reason,
+        }
+    }
+}
+
 /// What one seed learnt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
     /// Its seed.
     pub seed: u64,
-    /// Its table, by state and then action, or the six parameters of its law.
+    /// Its table, by state and then action.
     pub values: Vec<f64>,
     /// The score of every episode.
     pub curve: Vec<Score>,
@@ -81,15 +100,17 @@ pub struct PolicyFile {
 impl Settings {
     /// The settings as they stand in a file.
     fn head(&self) -> Map<String, Value> {
-        let bins = self.bins.axes().iter();
-        let bins: Vec<Value> = bins
+        let states: Vec<Value> = self
+            .bins
+            .axes()
+            .iter()
             .map(|bin| json!({ "from": bin.from, "to": bin.to, "steps": bin.count }))
             .collect();
-        let reward: Vec<Value> = self
+        let reward: Vec<(String, f64)> = self
             .reward
             .0
             .iter()
-            .map(|(term, by)| json!([term.to_string(), by]))
+            .map(|(term, by)| (term.to_string(), *by))
             .collect();
         let head = json!({
             "saltus_version": env!("CARGO_PKG_VERSION"),
@@ -98,20 +119,15 @@ impl Settings {
             "robot_toml": self.plant.robot.to_toml(),
             "draws_robots": self.plant.draw.is_some(),
             "disturbances": self.plant.disturbances.iter().map(disturbance_json).collect::<Vec<_>>(),
-            "algorithm": self.method.name(),
+            "algorithm": self.algorithm.name(),
             "alpha": self.rates.alpha,
             "gamma": self.rates.gamma,
             "lambda": self.rates.lambda,
-            "traces": match self.rates.traces {
-                Traces::Accumulating => "accumulating",
-                Traces::Replacing => "replacing",
-            },
             "epsilon": self.schedule.epsilon,
             "decay": self.schedule.decay,
             "reward": reward,
             "steps": self.steps,
-            "states": bins,
-            "tilings": self.bins.tilings(),
+            "states": states,
         });
         match head {
             Value::Object(head) => head,
@@ -125,7 +141,7 @@ impl PolicyFile {
     pub fn of(settings: &Settings, learnt: &Learnt) -> PolicyFile {
         let tables = learnt.pupils.iter().map(|pupil| Held {
             seed: pupil.seed,
-            values: pupil.policy.values(),
+            values: pupil.table.values().to_vec(),
             curve: pupil.curve.clone(),
             score: pupil.score,
         });
@@ -158,11 +174,7 @@ impl PolicyFile {
     /// # Errors
     /// As [`load`](PolicyFile::load).
     pub fn parse(text: &str, file: &str) -> Result<PolicyFile, PolicyError> {
-        let wrong = |key: &str, reason: String| PolicyError::Content {
-            file: file.into(),
-            key: key.into(),
-            reason,
-        };
+        let wrong = PolicyError::content(file);
         let document: Value =
             serde_json::from_str(text).map_err(|error| wrong("JSON", error.to_string()))?;
         // The report of the command has it beside what it says.
@@ -185,13 +197,11 @@ impl PolicyFile {
                 made,
             });
         }
-        let tables = document.remove("tables");
-        let Some(Value::Array(tables)) = tables else {
-            return Err(wrong("tables", "is missing".into()));
+        let tables: Vec<Map<String, Value>> = take!(document, "tables", wrong);
+        let one = |(k, table)| {
+            held(table).map_err(|(key, reason)| wrong(&format!("tables[{k}].{key}"), reason))
         };
-        let tables = tables.iter().enumerate().map(|(k, table)| {
-            held(table).ok_or_else(|| wrong(&format!("tables[{k}]"), "cannot be read".into()))
-        });
+        let tables = tables.into_iter().enumerate().map(one);
         Ok(PolicyFile {
             tables: tables.collect::<Result<_, _>>()?,
             head: document,
@@ -203,91 +213,60 @@ impl PolicyFile {
     /// # Errors
     /// [`PolicyError::Content`] for what is missing or is not what this version writes; `file` is its name.
     pub fn settings(&self, file: &str) -> Result<Settings, PolicyError> {
-        let wrong = |key: &str, reason: String| PolicyError::Content {
-            file: file.into(),
-            key: key.into(),
-            reason,
-        };
-        let missing = |key: &str| wrong(key, "is missing, or is not what it must be".into());
-        let text = |key: &str| {
-            let value = self.head.get(key).and_then(Value::as_str);
-            value.ok_or_else(|| missing(key))
-        };
-        let version = text("saltus_version")?;
-        if version != env!("CARGO_PKG_VERSION") {
-            let ours = env!("CARGO_PKG_VERSION");
+        let wrong = PolicyError::content(file);
+        let mut head = self.head.clone();
+        let version: String = take!(head, "saltus_version", wrong);
+        let ours = env!("CARGO_PKG_VERSION");
+        if version != ours {
             return Err(PolicyError::Other {
                 file: file.into(),
                 key: "saltus_version".into(),
-                theirs: version.into(),
+                theirs: version,
                 ours: ours.into(),
             });
         }
-        let name = text("task")?;
+        let unknown = |key: &str, name: &str| wrong(key, format!("there is no {name:?}"));
+        let name: String = take!(head, "task", wrong);
         let task = Task::ALL.into_iter().find(|it| it.name() == name);
-        let task = task.ok_or_else(|| missing("task"))?;
-        let name = text("algorithm")?;
-        let method = Method::all().find(|it| it.name() == name);
-        let method = method.ok_or_else(|| missing("algorithm"))?;
-        let robot = Robot::parse(text("robot_toml")?, file, Path::new("."));
+        let task = task.ok_or_else(|| unknown("task", &name))?;
+        let name: String = take!(head, "algorithm", wrong);
+        let algorithm = Algorithm::ALL.into_iter().find(|it| it.name() == name);
+        let algorithm = algorithm.ok_or_else(|| unknown("algorithm", &name))?;
+        let robot: String = take!(head, "robot_toml", wrong);
+        let robot = Robot::parse(&robot, file, Path::new("."));
         let robot = robot.map_err(|error| wrong("robot_toml", error.to_string()))?;
-        let mut settings = task.settings(robot, method);
-        let states = self.states().ok_or_else(|| missing("states"))?;
-        let tilings = self.head.get("tilings").and_then(Value::as_u64);
-        let tilings = tilings.and_then(|it| usize::try_from(it).ok());
-        let tilings = tilings.ok_or_else(|| missing("tilings"))?;
-        let bins = Bins::new(states).and_then(|bins| bins.tiled(tilings));
-        settings.bins = bins.map_err(|error| wrong("states", error.to_string()))?;
-        settings.reward = self.reward().ok_or_else(|| missing("reward"))?;
-        let steps = self.head.get("steps").and_then(Value::as_u64);
-        let steps = steps.and_then(|it| usize::try_from(it).ok());
-        settings.steps = steps.ok_or_else(|| missing("steps"))?;
-        let number = |key: &str| {
-            let value = self.head.get(key).and_then(Value::as_f64);
-            value.ok_or_else(|| missing(key))
-        };
-        settings.rates = Rates {
-            alpha: number("alpha")?,
-            gamma: number("gamma")?,
-            lambda: number("lambda")?,
-            traces: match text("traces")? {
-                "accumulating" => Traces::Accumulating,
-                "replacing" => Traces::Replacing,
-                _ => return Err(missing("traces")),
-            },
-        };
-        settings.schedule.epsilon = number("epsilon")?;
-        settings.schedule.decay = number("decay")?;
-        let disturbances = self.head.get("disturbances").and_then(Value::as_array);
-        let disturbances = disturbances.and_then(|all| all.iter().map(disturbance).collect());
-        settings.plant.disturbances = disturbances.ok_or_else(|| missing("disturbances"))?;
-        let draws = self.head.get("draws_robots").and_then(Value::as_bool);
-        if draws.ok_or_else(|| missing("draws_robots"))? {
-            settings.plant.draw = Some(Draw::around(&settings.plant.robot));
-        }
-        Ok(settings)
-    }
-
-    fn states(&self) -> Option<Vec<Bin>> {
-        let bin = |it: &Value| {
-            Some(Bin {
-                from: it.get("from")?.as_f64()?,
-                to: it.get("to")?.as_f64()?,
-                count: usize::try_from(it.get("steps")?.as_u64()?).ok()?,
+        let mut settings = task.settings(robot, algorithm);
+        let states: Vec<Map<String, Value>> = take!(head, "states", wrong);
+        let bin = |mut it: Map<String, Value>| -> Result<Bin, PolicyError> {
+            Ok(Bin {
+                from: take!(it, "from", wrong),
+                to: take!(it, "to", wrong),
+                count: take!(it, "steps", wrong),
             })
         };
-        self.head
-            .get("states")?
-            .as_array()?
-            .iter()
-            .map(bin)
-            .collect()
-    }
-
-    fn reward(&self) -> Option<Reward> {
-        let term = |it: &Value| Some((Term::written(it.get(0)?.as_str()?)?, it.get(1)?.as_f64()?));
-        let terms = self.head.get("reward")?.as_array()?.iter().map(term);
-        terms.collect::<Option<_>>().map(Reward)
+        let states = states.into_iter().map(bin).collect::<Result<_, _>>()?;
+        let bins = Bins::new(states);
+        settings.bins = bins.map_err(|error| wrong("states", error.to_string()))?;
+        let reward: Vec<(String, f64)> = take!(head, "reward", wrong);
+        let term = |(name, by): (String, f64)| match Term::written(&name) {
+            Some(term) => Ok((term, by)),
+            None => Err(unknown("reward", &name)),
+        };
+        settings.reward = Reward(reward.into_iter().map(term).collect::<Result<_, _>>()?);
+        settings.steps = take!(head, "steps", wrong);
+        settings.rates = Rates {
+            alpha: take!(head, "alpha", wrong),
+            gamma: take!(head, "gamma", wrong),
+            lambda: take!(head, "lambda", wrong),
+        };
+        settings.schedule.epsilon = take!(head, "epsilon", wrong);
+        settings.schedule.decay = take!(head, "decay", wrong);
+        let disturbances: Vec<Map<String, Value>> = take!(head, "disturbances", wrong);
+        let disturbances = disturbances.into_iter().map(|it| disturbance(it, &wrong));
+        settings.plant.disturbances = disturbances.collect::<Result<_, _>>()?;
+        let draws: bool = take!(head, "draws_robots", wrong);
+        settings.plant.draw = draws.then(|| Draw::around(&settings.plant.robot));
+        Ok(settings)
     }
 
     /// What the seed `seed` learnt, or without one the seed that did best.
@@ -359,14 +338,23 @@ fn first_difference(theirs: &Value, ours: &Value) -> [String; 2] {
     [at(&theirs), at(&ours)]
 }
 
+/// What a disturbance does, by its name in a file.
+const WHATS: [(&str, fn(f64) -> What); 5] = [
+    ("slope_rad", What::Slope),
+    ("force_n", What::Force),
+    ("torque_n_m", What::Torque),
+    ("supply_pa", What::Supply),
+    ("friction", What::Friction),
+];
+
 fn disturbance_json(it: &Disturbance) -> Value {
-    let (what, value) = match it.what {
-        What::Slope(x) => ("slope_rad", x),
-        What::Force(x) => ("force_n", x),
-        What::Torque(x) => ("torque_n_m", x),
-        What::Supply(x) => ("supply_pa", x),
-        What::Friction(x) => ("friction", x),
-    };
+    let (What::Slope(value)
+    | What::Force(value)
+    | What::Torque(value)
+    | What::Supply(value)
+    | What::Friction(value)) = it.what;
+    let of = WHATS.iter().find(|(_, make)| make(value) == it.what);
+    let what = of.map(|(name, _)| name);
     match it.when {
         When::Time(from, to) => json!({ "what": what, "value": value, "from_s": from, "to_s": to }),
         When::Place(from, to) => {
@@ -375,22 +363,21 @@ fn disturbance_json(it: &Disturbance) -> Value {
     }
 }
 
-fn disturbance(value: &Value) -> Option<Disturbance> {
-    let number = |key: &str| value.get(key).and_then(Value::as_f64);
-    let make: fn(f64) -> What = match value.get("what")?.as_str()? {
-        "slope_rad" => What::Slope,
-        "force_n" => What::Force,
-        "torque_n_m" => What::Torque,
-        "supply_pa" => What::Supply,
-        "friction" => What::Friction,
-        _ => return None,
-    };
-    let when = match number("from_s") {
-        Some(from) => When::Time(from, number("to_s")?),
-        None => When::Place(number("from_m")?, number("to_m")?),
-    };
-    let what = make(number("value")?);
-    Some(Disturbance { when, what })
+fn disturbance(
+    mut it: Map<String, Value>,
+    wrong: &impl Fn(&str, String) -> PolicyError,
+) -> Result<Disturbance, PolicyError> {
+    let name: String = take!(it, "what", wrong);
+    let known = WHATS.iter().find(|(known, _)| *known == name);
+    let (_, make) = known.ok_or_else(|| wrong("what", format!("there is no {name:?}")))?;
+    Ok(Disturbance {
+        what: make(take!(it, "value", wrong)),
+        when: if it.contains_key("from_s") {
+            When::Time(take!(it, "from_s", wrong), take!(it, "to_s", wrong))
+        } else {
+            When::Place(take!(it, "from_m", wrong), take!(it, "to_m", wrong))
+        },
+    })
 }
 
 fn checksum(document: &Map<String, Value>) -> String {
@@ -398,75 +385,85 @@ fn checksum(document: &Map<String, Value>) -> String {
     format!("{:08x}", crc32fast::hash(text.as_bytes()))
 }
 
+/// A score in a file: sum of the rewards, steps, steps outside; time, angle, travel, arrival, gas, firings, and whether it
+/// is broken.
+type Row = (
+    f64,
+    usize,
+    usize,
+    f64,
+    f64,
+    f64,
+    Option<f64>,
+    f64,
+    usize,
+    bool,
+);
+
 fn table_json(held: &Held) -> Value {
     let values = held.values.iter().enumerate();
-    let values: Vec<Value> = values
+    let values: Vec<(usize, f64)> = values
         .filter(|(_, value)| **value != 0.0)
-        .map(|(place, value)| json!([place, value]))
+        .map(|(place, value)| (place, *value))
         .collect();
-    let curve: Vec<Value> = held.curve.iter().map(score_json).collect();
+    let curve: Vec<Row> = held.curve.iter().map(row).collect();
     json!({ "seed": held.seed, "table_size": held.values.len(), "values": values, "curve": curve,
-        "score": score_json(&held.score) })
+        "score": row(&held.score) })
 }
 
-fn score_json(score: &Score) -> Value {
-    let Outcome {
-        time,
-        angle,
-        travel,
-        arrived,
-        gas,
-        firings,
-        broken,
-    } = score.outcome;
-    json!([
+/// What one seed learnt; the error names a key of `table` and what is wrong with it.
+fn held(mut table: Map<String, Value>) -> Result<Held, (String, String)> {
+    let wrong = |key: &str, reason: String| (key.to_owned(), reason);
+    let size: usize = take!(table, "table_size", wrong);
+    if size == 0 || size > 1 << 27 {
+        let reason = format!("{size} must be from 1 to {}", 1 << 27);
+        return Err(wrong("table_size", reason));
+    }
+    let mut values = vec![0.0; size];
+    let given: Vec<(usize, f64)> = take!(table, "values", wrong);
+    for (place, value) in given {
+        let reason = || wrong("values", format!("{place} must be below {size}"));
+        *values.get_mut(place).ok_or_else(reason)? = value;
+    }
+    let curve: Vec<Row> = take!(table, "curve", wrong);
+    Ok(Held {
+        seed: take!(table, "seed", wrong),
+        values,
+        curve: curve.into_iter().map(score).collect(),
+        score: score(take!(table, "score", wrong)),
+    })
+}
+
+fn row(score: &Score) -> Row {
+    let it = &score.outcome;
+    (
         score.total,
         score.steps,
         score.outside,
-        time,
-        angle,
-        travel,
-        arrived,
-        gas,
-        firings,
-        broken
-    ])
+        it.time,
+        it.angle,
+        it.travel,
+        it.arrived,
+        it.gas,
+        it.firings,
+        it.broken,
+    )
 }
 
-fn held(table: &Value) -> Option<Held> {
-    let size = table.get("table_size")?.as_u64()?;
-    if size == 0 || size > 1 << 27 {
-        return None;
-    }
-    let mut values = vec![0.0; usize::try_from(size).ok()?];
-    for pair in table.get("values")?.as_array()? {
-        let place = usize::try_from(pair.get(0)?.as_u64()?).ok()?;
-        *values.get_mut(place)? = pair.get(1)?.as_f64()?;
-    }
-    let curve = table.get("curve")?.as_array()?.iter().map(score);
-    Some(Held {
-        seed: table.get("seed")?.as_u64()?,
-        values,
-        curve: curve.collect::<Option<_>>()?,
-        score: score(table.get("score")?)?,
-    })
-}
-
-fn score(row: &Value) -> Option<Score> {
-    let number = |k: usize| row.get(k)?.as_f64();
-    let count = |k: usize| usize::try_from(row.get(k)?.as_u64()?).ok();
-    Some(Score {
-        total: number(0)?,
-        steps: count(1)?,
-        outside: count(2)?,
+fn score(row: Row) -> Score {
+    let (total, steps, outside, time, angle, travel, arrived, gas, firings, broken) = row;
+    Score {
+        total,
+        steps,
+        outside,
         outcome: Outcome {
-            time: number(3)?,
-            angle: number(4)?,
-            travel: number(5)?,
-            arrived: number(6),
-            gas: number(7)?,
-            firings: count(8)?,
-            broken: row.get(9)?.as_bool()?,
+            time,
+            angle,
+            travel,
+            arrived,
+            gas,
+            firings,
+            broken,
         },
-    })
+    }
 }

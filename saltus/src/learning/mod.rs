@@ -1,7 +1,7 @@
 //! Robots that learn to run: the experiments of chapter 6 of the thesis, over many seeds.
 //!
 //! [`Task::settings`] has what the thesis says of each. [`learn`] lets each seed learn alone; [`Learnt`] has their
-//! curves, scores and policies, and [`PolicyFile`] is the file of them.
+//! curves, scores and tables, and [`PolicyFile`] is the file of them.
 
 mod file;
 mod policy;
@@ -9,13 +9,12 @@ mod pupil;
 mod summary;
 
 pub use file::{Held, PolicyError, PolicyFile};
-pub use policy::Policy;
 pub use pupil::{Learnt, Pupil, learn};
 pub use summary::{Interval, interquartile};
 
 use saltus_gait::learn::{
     Algorithm, Bin, Bins, Environment, Gridded, Legs, Outcome, Plant, Rates, Reward, Schedule,
-    Score, Stride, Task as Course, Term, Traces, Training, Zone,
+    Score, Stride, Task as Course, Term, Training, Zone,
 };
 use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::Robot;
@@ -33,52 +32,6 @@ pub enum Task {
     RunStride,
     /// The same, with a box on the way.
     JumpStride,
-}
-
-/// What learns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Values of states and actions.
-    Values(Algorithm),
-    /// A choice for each state, by changes that are kept where an episode is no worse.
-    HillClimbing,
-    /// The smooth law's six numbers, by Bayesian optimisation.
-    Bayes,
-    /// The smooth law's six numbers, by CMA-ES.
-    Evolution,
-}
-
-impl Method {
-    /// Every one.
-    pub fn all() -> impl Iterator<Item = Method> {
-        let values = Algorithm::ALL.into_iter().map(Method::Values);
-        values.chain([Method::HillClimbing, Method::Bayes, Method::Evolution])
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::Values(algorithm) => algorithm.name(),
-            Method::HillClimbing => "hill-climbing",
-            Method::Bayes => "bayes",
-            Method::Evolution => "cma-es",
-        }
-    }
-
-    /// Whether it has traces.
-    pub fn has_traces(self) -> bool {
-        matches!(self, Method::Values(algorithm) if algorithm.has_traces())
-    }
-
-    /// Whether it learns values, with a learning rate and a discount.
-    pub fn has_values(self) -> bool {
-        matches!(self, Method::Values(_))
-    }
-
-    /// Whether it seeks a law in place of a table.
-    pub fn seeks_a_law(self) -> bool {
-        matches!(self, Method::Bayes | Method::Evolution)
-    }
 }
 
 /// The box of the thesis (m).
@@ -120,12 +73,11 @@ impl Task {
         }
     }
 
-    /// What learns it where nothing else is asked for: in the thesis, and where it has none, what needs the fewest starts.
-    pub fn method(self) -> Method {
+    /// What learns it where nothing else is asked for.
+    pub fn algorithm(self) -> Algorithm {
         match self {
-            Task::RunLegs | Task::Climb => Method::Values(Algorithm::Q),
-            Task::RunZone => Method::Values(Algorithm::SarsaLambda),
-            Task::RunStride | Task::JumpStride => Method::Bayes,
+            Task::RunZone => Algorithm::SarsaLambda,
+            _ => Algorithm::Q,
         }
     }
 
@@ -135,9 +87,7 @@ impl Task {
     }
 
     /// Terms of the reward, episodes, and steps of an episode.
-    fn usual(self, method: Method) -> (Vec<(Term, f64)>, usize, usize) {
-        let traces = method.has_traces();
-        let sought = method.seeks_a_law();
+    fn usual(self, traces: bool) -> (Vec<(Term, f64)>, usize, usize) {
         match self {
             Task::RunLegs => {
                 let episodes = if traces { 100 } else { 1000 };
@@ -147,17 +97,13 @@ impl Task {
             Task::RunZone => (vec![(Term::Rate, 1.0)], 40, 360),
             Task::RunStride => {
                 let reward = vec![(Term::Travel, 1.0), (Term::Time, 1.0), (Term::Stall, 3.0)];
-                (reward, if sought { 60 } else { 500 }, 60)
+                (reward, 500, 60)
             }
-            Task::JumpStride => {
-                let reward = vec![(Term::Travel, 1.0), (Term::Arrival, 3.0)];
-                (reward, if sought { 200 } else { 2000 }, 60)
-            }
+            Task::JumpStride => (vec![(Term::Travel, 1.0), (Term::Arrival, 3.0)], 2000, 60),
         }
     }
 
-    fn rates(self, method: Method) -> Rates {
-        let traces = method.has_traces();
+    fn rates(self, traces: bool) -> Rates {
         // A stride is long: what comes of it is in the next ones, and tables are small.
         let [alpha, gamma] = match (self.is_by_stride(), traces) {
             (true, _) => [0.2, 1.0],
@@ -168,67 +114,34 @@ impl Task {
             alpha,
             gamma,
             lambda: 0.9,
-            traces: Traces::Accumulating,
         }
     }
 
-    fn schedule(self, method: Method, episodes: usize) -> Schedule {
-        let [epsilon, decay] = match method {
-            Method::HillClimbing => [0.3, 1.0],
-            _ => [
-                if self == Task::RunZone { 0.95 } else { 1.0 },
-                if method.has_traces() && !self.is_by_stride() {
-                    0.95
-                } else {
-                    0.99
-                },
-            ],
-        };
-        Schedule {
-            epsilon,
-            decay,
-            episodes,
-        }
-    }
-
-    fn bins(self, method: Method) -> Bins {
+    fn bins(self) -> Bins {
         let bin = |from, to, count| Bin { from, to, count };
-        // Few steps within their limits.
-        let sound = |axes| Bins::new(axes).unwrap_or_else(|_| Bins::of_table_6_3());
+        // Of strides rate, lean, speed, height; distance of the box.
+        let mut axes = vec![
+            bin(-5.0, 20.0, 20),
+            bin(-0.3, 1.0, 2),
+            bin(0.0, 4.0, 1),
+            bin(-0.2, 0.2, 1),
+        ];
+        if self == Task::JumpStride {
+            axes.push(bin(-0.2, 2.0, 11));
+        }
         match self {
-            Task::Climb if method == Method::HillClimbing => {
-                let mut axes = Bins::of_table_6_1().axes().to_vec();
-                for axis in &mut axes {
-                    axis.count = 1;
-                }
-                // The time is the last.
-                if let Some(time) = axes.last_mut() {
-                    *time = bin(0.0, 2.0, 40);
-                }
-                sound(axes)
-            }
             Task::RunLegs | Task::Climb => Bins::of_table_6_1(),
             Task::RunZone => Bins::of_table_6_3(),
-            // Rate, lean, speed, height; distance of the box.
-            Task::RunStride | Task::JumpStride => {
-                let mut axes = vec![
-                    bin(-5.0, 20.0, 20),
-                    bin(-0.3, 1.0, 2),
-                    bin(0.0, 4.0, 1),
-                    bin(-0.2, 0.2, 1),
-                ];
-                if self == Task::JumpStride {
-                    axes.push(bin(-0.2, 2.0, 11));
-                }
-                sound(axes)
-            }
+            // Few steps within their limits.
+            _ => Bins::new(axes).unwrap_or_else(|_| Bins::of_table_6_3()),
         }
     }
 
     /// The settings of the thesis for `robot`, tables 6.1 to 6.4 as printed; of its own, where it has none.
-    pub fn settings(self, robot: Robot, method: Method) -> Settings {
+    pub fn settings(self, robot: Robot, algorithm: Algorithm) -> Settings {
         let mut plant = Plant::new(robot);
-        let (reward, episodes, steps) = self.usual(method);
+        let traces = algorithm.has_traces();
+        let (reward, episodes, steps) = self.usual(traces);
         match self {
             Task::RunLegs | Task::RunZone | Task::RunStride => {}
             Task::Climb => plant.obstacles = vec![BOX],
@@ -237,10 +150,18 @@ impl Task {
         Settings {
             task: self,
             plant,
-            method,
-            rates: self.rates(method),
-            schedule: self.schedule(method, episodes),
-            bins: self.bins(method),
+            algorithm,
+            rates: self.rates(traces),
+            schedule: Schedule {
+                epsilon: if self == Task::RunZone { 0.95 } else { 1.0 },
+                decay: if traces && !self.is_by_stride() {
+                    0.95
+                } else {
+                    0.99
+                },
+                episodes,
+            },
+            bins: self.bins(),
             reward: Reward(reward),
             steps,
         }
@@ -262,7 +183,7 @@ pub struct Settings {
     /// The robot and what is around it.
     pub plant: Plant,
     /// What learns.
-    pub method: Method,
+    pub algorithm: Algorithm,
     /// Its numbers.
     pub rates: Rates,
     /// How it explores, and how long.
@@ -318,15 +239,10 @@ impl Settings {
     }
 
     fn training<'e>(&self, environment: &'e dyn Environment) -> Training<'e> {
-        // Without values none of them learns.
-        let algorithm = match self.method {
-            Method::Values(algorithm) => algorithm,
-            _ => Algorithm::Q,
-        };
         Training {
             environment,
             bins: self.bins.clone(),
-            algorithm,
+            algorithm: self.algorithm,
             rates: self.rates,
             schedule: self.schedule,
         }

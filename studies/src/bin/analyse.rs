@@ -5,12 +5,12 @@
 
 use std::error::Error;
 
-use saltus_gait::analysis::basin::{Basin, Fate};
-use saltus_gait::analysis::branch::{Parameter, follow};
-use saltus_gait::analysis::periodic::Periodic;
-use saltus_gait::analysis::stride::Firing;
-use saltus_gait::analysis::{Effort, report};
 use saltus_gait::{Disturbance, Draw, Program, Setup, What, When};
+use saltus_studies::analysis::basin::{Basin, Fate};
+use saltus_studies::analysis::branch::{Parameter, follow};
+use saltus_studies::analysis::periodic::Periodic;
+use saltus_studies::analysis::stride::Firing;
+use saltus_studies::analysis::{Effort, report};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let robots = std::env::args()

@@ -12,9 +12,7 @@
 use std::io::Write;
 
 use saltus::gait::learn::{Algorithm, Reward, Term};
-use saltus::learning::{
-    Interval, Learnt, Method, PolicyFile, Settings, Task, interquartile, learn,
-};
+use saltus::learning::{Interval, Learnt, PolicyFile, Settings, Task, interquartile, learn};
 use saltus::numeric::parallel::available;
 use saltus::robot::Robot;
 
@@ -69,7 +67,7 @@ impl Crossed {
         if !self.delay {
             robot.leg.delay = 0.0;
         }
-        let mut settings = Task::RunLegs.settings(robot, Method::Values(self.algorithm));
+        let mut settings = Task::RunLegs.settings(robot, self.algorithm);
         if !self.printed {
             let rates = &mut settings.rates;
             (rates.alpha, rates.gamma) = (rates.gamma, rates.alpha);

@@ -7,12 +7,11 @@
 //!
 //! Seeds, and starts of each; 2 and 6 where nothing is given. Every learner begins in the middle of the ranges.
 
-use saltus_gait::learn::{Bayes, Evolution, Learner};
-use saltus_gait::{
-    Draw, Footfall, GaitError, Lines, Program, Row, Run, Setup, Smooth, drawn_robot, run,
-};
+use saltus_gait::{Draw, Footfall, GaitError, Lines, Program, Row, Run, Setup, drawn_robot, run};
 use saltus_numeric::parallel::{available, map_on};
 use saltus_robot::Robot;
+use saltus_studies::few::{Bayes, Evolution, Learner};
+use saltus_studies::laws::within_bounds;
 
 /// Travel (m) that is to be quick, and the longest time for it (s).
 const GOAL: f64 = 1.6;
@@ -54,7 +53,7 @@ fn start(robot: Robot, program: Program, seed: u64) -> Result<(f64, usize), Gait
 }
 
 fn law(x: &[f64]) -> Program {
-    Smooth::within_bounds(x).program()
+    within_bounds(x).program()
 }
 
 /// What one seed learnt: after each start the time of the best law, and the strides so far.

@@ -12,7 +12,7 @@ use std::path::Path;
 use saltus::chart::{COLORS, Chart, Ink};
 use saltus::gait::learn::{Algorithm, Bin, Score};
 use saltus::gait::{Footfall, Lines, Program, Row, Run, Setup, Smooth, run};
-use saltus::learning::{Learnt, Method, Settings, Task, interquartile, learn};
+use saltus::learning::{Learnt, Pupil, Settings, Task, interquartile, learn};
 use saltus::numeric::parallel::available;
 
 type Failed = Box<dyn std::error::Error>;
@@ -68,7 +68,7 @@ fn flown(settings: &Settings, program: Program, seconds: f64) -> Result<Vec<Mome
 /// The reading of table 6.2 that learns: its columns interchanged.
 fn settings(algorithm: Algorithm, episodes: usize) -> Result<Settings, Failed> {
     let robot = saltus::resolve("rats-run", &[])?;
-    let mut settings = Task::RunLegs.settings(robot, Method::Values(algorithm));
+    let mut settings = Task::RunLegs.settings(robot, algorithm);
     (settings.rates.alpha, settings.rates.gamma) = (settings.rates.gamma, settings.rates.alpha);
     settings.schedule.episodes = episodes;
     Ok(settings)
@@ -81,11 +81,12 @@ fn taught(settings: &Settings, seed: u64, seeds: usize) -> Result<Learnt, Failed
 /// The run of what one seed has learnt.
 fn after(settings: &Settings, seconds: f64) -> Result<Vec<Moment>, Failed> {
     let learnt = taught(settings, SEED, 1)?;
-    flown(
-        settings,
-        learnt.pupils[0].policy.program(settings)?,
-        seconds,
-    )
+    flown(settings, program(settings, &learnt.pupils[0])?, seconds)
+}
+
+/// What runs by the table of one seed.
+fn program(settings: &Settings, pupil: &Pupil) -> Result<Program, Failed> {
+    Ok(Program::Learnt(settings.policy(&pupil.table)?))
 }
 
 fn over_time(moments: &[Moment], of: impl Fn(&Moment) -> f64) -> Vec<(f64, f64)> {
@@ -183,7 +184,7 @@ fn curves(folder: &Path, most: usize, seeds: usize) -> Result<(), Failed> {
             chart.line(Ink::Solid(color), &line(|it| it.value));
             chart.key(Ink::Solid(color), algorithm.name());
             let best = learnt.best(&settings).ok_or("no seed")?;
-            let run = flown(&settings, best.policy.program(&settings)?, 1.0)?;
+            let run = flown(&settings, program(&settings, best)?, 1.0)?;
             last.line(Ink::Solid(color), &over_time(&run, |it| it.angle));
             last.key(
                 Ink::Solid(color),
@@ -198,7 +199,7 @@ fn curves(folder: &Path, most: usize, seeds: usize) -> Result<(), Failed> {
 /// Figure 6.6: `run-zone` after 1, 4 and 11 episodes; and the states in which it fires.
 fn zone(folder: &Path, seeds: usize) -> Result<Program, Failed> {
     let robot = saltus::resolve("rats-run", &[])?;
-    let mut settings = Task::RunZone.settings(robot, Method::Values(Algorithm::SarsaLambda));
+    let mut settings = Task::RunZone.settings(robot, Algorithm::SarsaLambda);
     settings.schedule.episodes = 11;
     let learnt = taught(&settings, 1, seeds)?;
     let best = learnt.best(&settings).ok_or("no seed")?;
@@ -210,14 +211,14 @@ fn zone(folder: &Path, seeds: usize) -> Result<Program, Failed> {
     for (k, episodes) in [1, 4, 11].into_iter().enumerate() {
         settings.schedule.episodes = episodes;
         let then = taught(&settings, best.seed, 1)?;
-        let run = flown(&settings, then.pupils[0].policy.program(&settings)?, 2.0)?;
+        let run = flown(&settings, program(&settings, &then.pupils[0])?, 2.0)?;
         let ink = Ink::Solid(COLORS[k]);
         chart.line(ink, &over_time(&run, |it| it.angle));
         chart.key(ink, &format!("after {episodes}"));
     }
     write(folder, "figure-6.6", &chart)?;
-    let program = best.policy.program(&settings)?;
-    if let Program::Learnt(learnt) = &program {
+    let policy = program(&settings, best)?;
+    if let Program::Learnt(learnt) = &policy {
         let [angle, rate] = [&learnt.axes[0], &learnt.axes[1]];
         let x = ("wheel angle (rad)", (angle.from, angle.to));
         let mut map = Chart::new(SIZE, x, ("wheel rate (rad/s)", (rate.from, rate.to)));
@@ -236,8 +237,8 @@ fn zone(folder: &Path, seeds: usize) -> Result<Program, Failed> {
         map.title("states in which the leg in the active zone fires");
         write(folder, "policy-run-zone", &map)?;
     }
-    value_map(folder, &settings, &best.policy.values())?;
-    Ok(program)
+    value_map(folder, &settings, best.table.values())?;
+    Ok(policy)
 }
 
 /// The greatest value in each state that was visited, in five shades of equally many states.
@@ -276,15 +277,12 @@ fn value_map(folder: &Path, settings: &Settings, values: &[f64]) -> Result<(), F
 }
 
 /// Figure 6.7: travel and speed of what was learnt beside the closed loop.
-fn beside(folder: &Path, zone: Program, seeds: usize) -> Result<(), Failed> {
+fn beside(folder: &Path, zone: Program, (seeds, most): (usize, usize)) -> Result<(), Failed> {
     let robot = saltus::resolve("rats-run", &[])?;
-    let stride = Task::RunStride.settings(robot, Method::Bayes);
-    let law = taught(&stride, 1, seeds)?;
-    let law = law
-        .best(&stride)
-        .ok_or("no seed")?
-        .policy
-        .program(&stride)?;
+    let mut stride = Task::RunStride.settings(robot, Algorithm::Q);
+    stride.schedule.episodes = most.min(500);
+    let strides = taught(&stride, 1, seeds)?;
+    let strides = program(&stride, strides.best(&stride).ok_or("no seed")?)?;
     let two = Program::ClosedLoop(Lines::Two {
         first: 0.35,
         slope: -0.01,
@@ -298,7 +296,7 @@ fn beside(folder: &Path, zone: Program, seeds: usize) -> Result<(), Failed> {
     let mut speed = Chart::new(SIZE, time, ("speed (m/s)", (0.0, 3.0)));
     for (k, (name, program)) in [
         ("run-zone, best seed", zone),
-        ("firing angles learnt", law),
+        ("firing angles learnt", strides),
         ("two lines", two),
         ("smooth law", Smooth::QUICK.program()),
     ]
@@ -341,6 +339,6 @@ fn main() -> Result<(), Failed> {
     std::fs::create_dir_all(&folder)?;
     snapshots(&folder, most)?;
     curves(&folder, most, seeds)?;
-    let program = zone(&folder, seeds)?;
-    beside(&folder, program, seeds)
+    let zone = zone(&folder, seeds)?;
+    beside(&folder, zone, (seeds, most))
 }

@@ -11,8 +11,7 @@ use std::time::Instant;
 
 use saltus_gait::GaitError;
 use saltus_gait::learn::{
-    Act, Algorithm, Bins, Environment, Legs, Plant, Rates, Reward, Schedule, Term, Traces,
-    Training, train,
+    Act, Algorithm, Bins, Environment, Legs, Plant, Rates, Reward, Schedule, Term, Training, train,
 };
 
 const STEPS: usize = 1000;
@@ -48,7 +47,6 @@ fn learnt(
             alpha: 0.3,
             gamma: 1.0,
             lambda: 0.9,
-            traces: Traces::Accumulating,
         },
         schedule: Schedule {
             epsilon: 1.0,

@@ -8,14 +8,15 @@
 //! Seeds, and trials of each in each place; 2 and 3 where nothing is given. A number is the share of the trials that come
 //! 1.6 m far in 3 s, as mean of the middle half of the seeds with its 95 % interval; then the median time (s) of those that do.
 
-use saltus::gait::learn::{Algorithm, Schedule, Score};
+use saltus::gait::learn::{Algorithm, Schedule, Score, Tabular};
 use saltus::gait::{
-    Disturbance, Draw, Footfall, Lines, Program, Row, Run, Setup, Smooth, What, When, drawn_robot,
-    run,
+    Disturbance, Draw, Footfall, GaitError, Lines, Program, Row, Run, Setup, Smooth, What, When,
+    drawn_robot, run,
 };
-use saltus::learning::{Learnt, Method, Policy, PolicyFile, Settings, Task, interquartile, learn};
+use saltus::learning::{Learnt, PolicyFile, Settings, Task, interquartile, learn};
 use saltus::numeric::parallel::{available, map_on};
 use saltus::robot::Robot;
+use saltus_studies::laws::{by_law, seek};
 
 type Failed = Box<dyn std::error::Error>;
 
@@ -24,6 +25,23 @@ const HELD_OUT: u64 = 500;
 /// Longest time (s), and the goal (m).
 const LONGEST: f64 = 3.0;
 const GOAL: f64 = 1.6;
+
+/// What was learnt.
+enum Policy {
+    Table(Tabular),
+    Law(Smooth),
+}
+
+impl Policy {
+    /// When an episode of the task of `settings` reaches the goal (s).
+    fn arrives(&self, settings: &Settings, seed: (u64, usize)) -> Result<Option<f64>, GaitError> {
+        let score = match self {
+            Policy::Table(table) => settings.trial(table, seed)?,
+            Policy::Law(law) => by_law(settings.environment()?.as_ref(), law, seed)?,
+        };
+        Ok(score.outcome.arrived)
+    }
+}
 
 /// Where a policy is tried.
 struct Place {
@@ -96,11 +114,7 @@ impl Place {
         if settings.task == Task::RunZone {
             there.steps = 600;
         }
-        let one = |k| {
-            policy
-                .trial(&there, (HELD_OUT, k))
-                .map(|score| score.outcome.arrived)
-        };
+        let one = |k| policy.arrives(&there, (HELD_OUT, k));
         Ok((0..count).map(one).collect::<Result<_, _>>()?)
     }
 
@@ -154,14 +168,16 @@ fn said(trials: &[Vec<Option<f64>>]) -> String {
 struct Way {
     name: &'static str,
     task: Task,
-    method: Method,
+    /// A table of values; none: a law by Bayesian optimisation.
+    algorithm: Option<Algorithm>,
     draws: bool,
     episodes: usize,
 }
 
 impl Way {
     fn settings(&self, robot: &Robot) -> Settings {
-        let mut settings = self.task.settings(robot.clone(), self.method);
+        let algorithm = self.algorithm.unwrap_or(Algorithm::Q);
+        let mut settings = self.task.settings(robot.clone(), algorithm);
         settings.schedule.episodes = self.episodes;
         if self.draws {
             settings.plant.draw = Some(Draw::around(robot));
@@ -173,6 +189,18 @@ impl Way {
         let settings = self.settings(robot);
         let learnt = learn(&settings, (1, seeds), None, available(), &|| true)?;
         Ok((settings, learnt))
+    }
+
+    /// What each seed learnt.
+    fn policies(&self, robot: &Robot, seeds: usize) -> Result<(Settings, Vec<Policy>), Failed> {
+        if self.algorithm.is_some() {
+            let (settings, learnt) = self.learnt(robot, seeds)?;
+            let tables = learnt.pupils.into_iter();
+            return Ok((settings, tables.map(|it| Policy::Table(it.table)).collect()));
+        }
+        let settings = self.settings(robot);
+        let laws = seek(&settings, seeds, available())?.into_iter();
+        Ok((settings, laws.map(|it| Policy::Law(it.law)).collect()))
     }
 }
 
@@ -232,33 +260,27 @@ fn anew(way: &Way, robot: &Robot, seeds: usize) -> Result<(), Failed> {
 
 /// All ways, or a short version of them.
 fn ways(short: bool) -> Vec<Way> {
-    let values = Method::Values;
-    let stride = |name, method, draws, episodes| Way {
+    let stride = |name, algorithm, draws, episodes| Way {
         name,
         task: Task::RunStride,
-        method,
+        algorithm,
         draws,
         episodes: if short { 10 } else { episodes },
     };
     let zone = |name, draws| Way {
         name,
         task: Task::RunZone,
-        method: values(Algorithm::SarsaLambda),
+        algorithm: Some(Algorithm::SarsaLambda),
         draws,
         episodes: 40,
     };
     vec![
-        stride("law, bayes", Method::Bayes, false, 60),
-        stride(
-            "law, bayes, learnt on drawn robots",
-            Method::Bayes,
-            true,
-            120,
-        ),
-        stride("table of strides, q", values(Algorithm::Q), false, 500),
+        stride("law, bayes", None, false, 60),
+        stride("law, bayes, learnt on drawn robots", None, true, 120),
+        stride("table of strides, q", Some(Algorithm::Q), false, 500),
         stride(
             "table of strides, q, learnt on drawn robots",
-            values(Algorithm::Q),
+            Some(Algorithm::Q),
             true,
             500,
         ),
@@ -283,10 +305,10 @@ fn main() -> Result<(), Failed> {
     println!("| | {} |", header.join(" | "));
     println!("| --- |{}", " --- |".repeat(header.len()));
     for way in &ways {
-        let (settings, learnt) = way.learnt(&robot, seeds)?;
+        let (settings, policies) = way.policies(&robot, seeds)?;
         let cells = places.iter().map(|place| {
             let one = |k: usize| {
-                let all = place.trials(&learnt.pupils[k].policy, &settings, trials);
+                let all = place.trials(&policies[k], &settings, trials);
                 all.map_err(|error| error.to_string())
             };
             let all = map_on(available(), seeds, one).into_iter();

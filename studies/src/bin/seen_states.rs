@@ -9,11 +9,16 @@
 
 use std::io::Write;
 
-use saltus::gait::learn::{Algorithm, Bin, Bins, Reward, Term, Traces};
-use saltus::learning::{Method, Task, interquartile, learn};
-use saltus::numeric::parallel::available;
+use saltus::gait::GaitError;
+use saltus::gait::learn::{Algorithm, Bin, Reward, Score, Term};
+use saltus::learning::{Task, interquartile};
+use saltus::numeric::parallel::{available, map_on};
+use saltus_studies::tiles::{Tiled, Tiles};
 
 type Failed = Box<dyn std::error::Error>;
+
+/// Episode of the trial without exploration: one that no training has.
+const TRIAL: usize = 1 << 40;
 
 /// Of each number that is observed: the steps where it is seen.
 const SEEN: [(&str, Bin); 8] = {
@@ -60,32 +65,40 @@ fn main() -> Result<(), Failed> {
     ];
     for seen in rows {
         let robot = saltus::resolve("rats-run", &[])?;
-        let mut settings = Task::RunLegs.settings(robot, Method::Values(Algorithm::SarsaLambda));
+        let mut settings = Task::RunLegs.settings(robot, Algorithm::SarsaLambda);
         settings.reward = Reward(vec![(Term::Rate, 1.0)]);
         settings.rates.alpha = 0.1;
         settings.rates.gamma = 0.995;
         settings.rates.lambda = 0.95;
-        settings.rates.traces = Traces::Replacing;
         settings.schedule.decay = 0.99;
         settings.schedule.episodes = episodes;
-        if !seen.is_empty() {
-            let bins = SEEN.iter().enumerate().map(|(axis, (_, bin))| {
-                let count = if seen.contains(&axis) { bin.count } else { 1 };
-                Bin { count, ..*bin }
+        let bins = SEEN.iter().enumerate().map(|(axis, (_, bin))| {
+            let count = if seen.contains(&axis) { bin.count } else { 1 };
+            Bin { count, ..*bin }
+        });
+        let tiles = if seen.is_empty() {
+            Tiles::new(settings.bins.axes().to_vec(), 1)
+        } else {
+            Tiles::new(bins.collect(), 8)
+        };
+        let one = |k: usize| -> Result<(f64, Option<usize>), GaitError> {
+            let (environment, seed) = (settings.environment()?, k as u64 + 1);
+            let mut tiled = Tiled::new(environment.as_ref(), &tiles, settings.rates);
+            let curve = tiled.learn(&settings.schedule, seed)?.into_iter();
+            let curve = curve.map(|outcome| Score {
+                outcome,
+                ..Score::default()
             });
-            settings.bins = Bins::new(bins.collect())?.tiled(8)?;
-        }
-        let learnt = learn(&settings, (1, seeds), None, available(), &|| true)?;
-        let angles: Vec<f64> = learnt
-            .pupils
-            .iter()
-            .map(|it| it.score.outcome.angle)
-            .collect();
-        let waits = learnt.pupils.iter();
-        let waits: Vec<f64> = waits
-            .filter_map(|it| settings.episodes_to_90_percent(&it.curve))
-            .map(|count| count as f64)
-            .collect();
+            let curve: Vec<Score> = curve.collect();
+            let angle = tiled.trial((seed, TRIAL))?.angle;
+            Ok((angle, settings.episodes_to_90_percent(&curve)))
+        };
+        let learnt = map_on(available(), seeds, one)
+            .into_iter()
+            .collect::<Result<Vec<_>, _>>()?;
+        let angles: Vec<f64> = learnt.iter().map(|it| it.0).collect();
+        let waits = learnt.iter().filter_map(|it| it.1);
+        let waits: Vec<f64> = waits.map(|count| count as f64).collect();
         let said = |values: &[f64], digits: usize| {
             interquartile(values).map_or("–".into(), |it| {
                 let [low, high] = it.interval;
@@ -100,7 +113,7 @@ fn main() -> Result<(), Failed> {
         };
         println!(
             "| {name} | {} | {} | {:.2} | {} |",
-            settings.bins.states(),
+            tiles.states(),
             said(&angles, 2),
             angles.iter().copied().fold(f64::MIN, f64::max),
             said(&waits, 0)

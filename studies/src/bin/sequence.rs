@@ -9,11 +9,12 @@
 //! given.
 
 use saltus_gait::{
-    Draw, Footfall, Program, Quest, Row, Run, Search, Setup, Smooth, drawn_robot, optimal, run,
-    search,
+    Draw, Footfall, Program, Row, Run, Search, Setup, Smooth, drawn_robot, run, search,
 };
 use saltus_numeric::parallel::available;
 use saltus_robot::Robot;
+use saltus_studies::laws::{BOUNDS, smooth as law};
+use saltus_studies::optimal::{Quest, optimal};
 
 /// Seed of the drawn robots: those on which the smooth law is scored.
 const HELD_OUT: u64 = 200;
@@ -46,7 +47,7 @@ fn setup(robot: &Robot, program: Program) -> Setup {
 fn time(setup: &Setup) -> f64 {
     run(setup, &mut Until(0.0)).map_or(f64::INFINITY, |s| {
         let short = DISTANCE - s.travel.clamp(0.0, DISTANCE);
-        s.time_to_mark.unwrap_or(3.0 + short)
+        s.time_to_1_6_m.unwrap_or(3.0 + short)
     })
 }
 
@@ -119,8 +120,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let firings = policy.as_ref().map_or(&[][..], |policy| &policy.sequence);
         let (best, least) = sequence(&robot, firings, generations);
         let start = [Smooth::QUICK.firing_angle, Smooth::QUICK.valve_open].concat();
-        let of = |x: &[f64]| time(&setup(&robot, Smooth::from(x).program()));
-        let own = sought(start, Smooth::BOUNDS.to_vec(), 0.15, generations, of);
+        let of = |x: &[f64]| time(&setup(&robot, law(x).program()));
+        let own = sought(start, BOUNDS.to_vec(), 0.15, generations, of);
         let [smooth, own_time] = [time(&smooth), own.1];
         let policy = policy.map_or(f64::NAN, |policy| policy.time);
         let friction = robot.ground.static_friction;

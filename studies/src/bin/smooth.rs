@@ -9,10 +9,11 @@
 //! many robots it is sought on, and for how many generations: 2 and 1 where nothing is given.
 
 use saltus_gait::{
-    Draw, Ensemble, Lines, Program, Search, Setup, Smooth, Summary, drawn_robot, run, search,
+    Draw, Ensemble, Lines, Program, Search, Setup, Summary, drawn_robot, run, search,
 };
 use saltus_numeric::parallel::available;
 use saltus_robot::Robot;
+use saltus_studies::laws::{BOUNDS, smooth as law};
 
 /// Seeds of the robots that a law is sought on, and of those it is scored on.
 const SOUGHT: u64 = 100;
@@ -47,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let robot = drawn_robot(&base, &Draw::default(), SOUGHT, k)?;
         let setup = Setup {
             seed: SOUGHT + k as u64,
-            ..setup(robot, Smooth::from(x).program(), seconds)
+            ..setup(robot, law(x).program(), seconds)
         };
         run(&setup, &mut ())
     };
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         worths.sum::<f64>() / robots as f64
     };
     let settings = Search {
-        bounds: Smooth::BOUNDS.to_vec(),
+        bounds: BOUNDS.to_vec(),
         start: vec![0.4, -0.1, 7.0, 0.06, 0.045, 7.0],
         spread: 0.25,
         candidates: 40,
@@ -77,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         jumps: false,
     };
     for (name, program) in [
-        ("smooth", Smooth::from(&x[..]).program()),
+        ("smooth", law(&x).program()),
         ("two lines", Program::ClosedLoop(two)),
     ] {
         let ensemble = Ensemble {

@@ -3,10 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use saltus::export::{LearntTable, Number, Running};
-use saltus::gait::Setup;
-use saltus::gait::learn::Task;
-use saltus::learning;
+use saltus::export::{LearntTable, Number};
 
 use super::tables::{RealType, identifier};
 use crate::cli::Status;
@@ -51,11 +48,7 @@ Examples:
 
 A table becomes saltus_policy.h, which has the choice in each state and the function that finds it, or policy.rs, a constant for the crate \
 saltus-controller. What is observed, in which units, and what the choices are stands at the head; it is printed, too. The choice is the action of the \
-greatest value, of equal ones the first: what `saltus learn` scores and `saltus run --policy` runs, to the bit with --real double.
-
-A law (run-stride by bayes or cma-es) becomes the files of `saltus export c --gait`, for C alone.
-
-A table of several tilings cannot be written: exit code 2.";
+greatest value, of equal ones the first: what `saltus learn` scores and `saltus run --policy` runs, to the bit with --real double.";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Language {
@@ -85,46 +78,20 @@ impl Policy {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let name = self.learnt.display().to_string();
         let learned = Learned::load(&self.learnt, self.seed)?;
-        let wrong = |error| CliError::content(&name, error);
-        let table = LearntTable::new(&learned.policy, &learned.settings, learned.seed);
-        let (texts, about) = match table.map_err(wrong)? {
-            Some(table) => {
-                let text = match self.language {
-                    Language::C => ("saltus_policy.h", table.c::<R>()),
-                    Language::Rust => (
-                        "policy.rs",
-                        table.rust::<R>(self.name.as_deref().unwrap_or("POLICY")),
-                    ),
-                };
-                (vec![text], table.about)
-            }
-            None if self.language == Language::Rust => {
-                let allowed = "c for a law, which is no table";
-                return Err(CliError::flag("--as", "rust", allowed));
-            }
-            None => {
-                let running = law::<R>(&learned.policy, &learned.settings).map_err(wrong)?;
-                (running.files.to_vec(), running.about)
-            }
+        let table = LearntTable::new(&learned.table, &learned.settings, learned.seed)
+            .map_err(|error| CliError::content(&name, error))?;
+        let (name, text) = match self.language {
+            Language::C => ("saltus_policy.h", table.c::<R>()),
+            Language::Rust => (
+                "policy.rs",
+                table.rust::<R>(self.name.as_deref().unwrap_or("POLICY")),
+            ),
         };
         std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let mut files = Files::default();
-        for (name, text) in texts {
-            files.add("--out", &self.out.join(name), text.into_bytes());
-        }
-        files.report(None, about.join("\n") + "\n");
+        files.add("--out", &self.out.join(name), text.into_bytes());
+        files.report(None, table.about.join("\n") + "\n");
         files.write()?;
         Ok(Status::Done)
     }
-}
-
-/// What runs by a law.
-fn law<R: Number>(
-    policy: &learning::Policy,
-    settings: &learning::Settings,
-) -> Result<Running, saltus::gait::GaitError> {
-    let robot = settings.plant.robot.clone();
-    let mut setup = Setup::new(robot, policy.program(settings)?, 1.0);
-    setup.zone = Task::default().zone;
-    Running::new::<R>(&setup)
 }

@@ -4,9 +4,8 @@ use clap::{Args, ValueEnum};
 use saltus::Robot;
 use saltus::export::{BallFiles, Number, Running};
 use saltus::gait::space::{Stable, Steered};
-use saltus::gait::{Centre, Lines, Program, Quest, Setup};
+use saltus::gait::{Centre, Lines, Program, Setup};
 
-use crate::cli::best::{self, goal};
 use crate::cli::common::note_valve;
 use crate::cli::refused::refused;
 use crate::cli::run::Aim;
@@ -29,8 +28,6 @@ enum Kind {
     Smooth,
     /// A commanded speed, which saltus_runner_demand sets; the speed of each firing angle is measured first
     Speed,
-    /// The least time from rest to a distance, as a table
-    Optimal,
     /// A robot in space kept in its plane, as by `saltus run`
     DiscStable,
     /// A robot in space led along a path, as by `saltus run`
@@ -82,14 +79,6 @@ pub(super) struct RunningFlags {
     #[arg(long, value_enum)]
     aim: Option<Aim>,
 
-    /// Distance (m) of `optimal`, from rest [default: 1.6]
-    #[arg(long, value_name = "LENGTH", value_parser = goal, allow_hyphen_values = true)]
-    goal: Option<f64>,
-
-    /// Levels of `optimal`, 1 to 4, as of `saltus run` [default: 3]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=4))]
-    refinements: Option<u8>,
-
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -109,7 +98,6 @@ impl Kind {
             Kind::Curve => "curve",
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
-            Kind::Optimal => "optimal",
             Kind::DiscStable => "disc-stable",
             Kind::Steer => "steer",
         }
@@ -119,16 +107,6 @@ impl Kind {
     fn has_times(self) -> bool {
         !matches!(self, Kind::Fixed | Kind::OpenLoop | Kind::ClosedLoop)
     }
-}
-
-/// What became of the request for a running robot.
-pub(super) enum Written {
-    /// No gait is asked for.
-    Unasked,
-    /// No choice leads to the goal: the reason is on standard output.
-    Unreached,
-    /// What is written.
-    Running(Running),
 }
 
 impl RunningFlags {
@@ -152,28 +130,25 @@ impl RunningFlags {
         written.map(Some).map_err(wrong)
     }
 
-    /// What is written for a robot whose valve opens for `valve_open` (s), sought on so many
-    /// `threads`.
+    /// What is written for a robot whose valve opens for `valve_open` (s), if a gait is asked for; speeds
+    /// are measured on so many `threads`.
     pub(super) fn written<R: Number>(
         &self,
         robot: impl FnOnce() -> Result<Robot, CliError>,
         valve_open: Option<f64>,
         threads: usize,
-    ) -> Result<Written, CliError> {
+    ) -> Result<Option<Running>, CliError> {
         self.meant(valve_open)?;
         let Some(gait) = self.gait else {
-            return Ok(Written::Unasked);
+            return Ok(None);
         };
         let robot = robot()?;
         note_valve(&robot, valve_open.map(|_| "--valve-open"));
         let mut setup = self.setup(gait, robot, threads)?;
         setup.valve_open = valve_open.unwrap_or(setup.valve_open);
-        if gait == Kind::Optimal && best::seek(&mut setup, self.quest(), threads)?.is_none() {
-            return Ok(Written::Unreached);
-        }
         let written = Running::new::<R>(&setup);
         written
-            .map(Written::Running)
+            .map(Some)
             .map_err(|error| CliError::content(&setup.robot.name, error))
     }
 
@@ -195,27 +170,17 @@ impl RunningFlags {
         Ok(setup)
     }
 
-    fn quest(&self) -> Quest {
-        let usual = Quest::default();
-        Quest {
-            distance: self.goal.unwrap_or(usual.distance),
-            levels: self.refinements.map_or(usual.levels, usize::from),
-        }
-    }
-
     /// Refuses flags that only other gaits have.
     fn meant(&self, valve_open: Option<f64>) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Optimal, Smooth, Speed};
-        let all = [Fixed, OpenLoop, ClosedLoop, Curve, Smooth, Speed, Optimal];
-        let given: [(&'static str, bool, &[Kind]); 10] = [
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Smooth, Speed};
+        let all = [Fixed, OpenLoop, ClosedLoop, Curve, Smooth, Speed];
+        let given: [(&'static str, bool, &[Kind]); 8] = [
             ("--lines", self.lines.is_some(), &[ClosedLoop]),
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
             ("--knots", self.knots.is_some(), &[Curve]),
             ("--aim", self.aim.is_some(), &[Smooth]),
-            ("--goal", self.goal.is_some(), &[Optimal]),
-            ("--refinements", self.refinements.is_some(), &[Optimal]),
             ("--zone", self.zone.is_some(), &all),
             ("--taps", self.taps.is_some(), &all),
         ];
@@ -237,7 +202,7 @@ impl RunningFlags {
         Ok(())
     }
 
-    /// The law; for `optimal` one that stands in until the policy is sought.
+    /// The law.
     fn program(&self, gait: Kind) -> Result<Program, CliError> {
         let first = self.from.unwrap_or(0.35);
         let (last, at) = (self.to.unwrap_or(-0.1), 13.3);
@@ -251,7 +216,7 @@ impl RunningFlags {
             }
             (Kind::Smooth | Kind::Speed, _) => self.aim.unwrap_or(Aim::Quick).law().program(),
             // Of a ball nothing of this is used: see `ball`.
-            (Kind::Optimal | Kind::DiscStable | Kind::Steer, _) => Program::Fixed {
+            (Kind::DiscStable | Kind::Steer, _) => Program::Fixed {
                 firing_angle: self.zone.unwrap_or(-0.3),
             },
             (Kind::Fixed, _) => Program::Fixed {

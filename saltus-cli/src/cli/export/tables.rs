@@ -8,7 +8,7 @@ use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
 use super::file_ready;
-use super::running::{RunningFlags, Written};
+use super::running::RunningFlags;
 use crate::cli::Status;
 use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
@@ -187,10 +187,8 @@ impl C {
             return self.files(ball.files, &ball.about);
         }
         let robot = || self.flags.robot.robot_or("rats-run");
-        match self.running.written::<R>(robot, open, threads)? {
-            Written::Unasked => {}
-            Written::Unreached => return Ok(Status::No),
-            Written::Running(running) => return self.files(running.files, &running.about),
+        if let Some(running) = self.running.written::<R>(robot, open, threads)? {
+            return self.files(running.files, &running.about);
         }
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use saltus::gait::Draw;
-use saltus::gait::learn::{Algorithm, Bin, Bins, Reward, Term, Traces};
-use saltus::learning::{Learnt, Method, PolicyFile, Settings, Task, learn};
+use saltus::gait::learn::{Algorithm, Bin, Bins, Reward, Term};
+use saltus::learning::{Learnt, PolicyFile, Settings, Task, learn};
 
 use self::report::Report;
 use super::Status;
@@ -33,7 +33,7 @@ pub(crate) struct Learn {
     #[arg(value_enum)]
     task: TaskName,
 
-    /// What learns [default: that of the thesis for the task]
+    /// What learns [default: q, run-zone sarsa-lambda]
     #[arg(long, value_enum)]
     algorithm: Option<AlgorithmName>,
 
@@ -49,15 +49,11 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     lambda: Option<f64>,
 
-    /// Set a trace to 1 at each visit; else 1 is added to it, as in the thesis
-    #[arg(long)]
-    replacing: bool,
-
-    /// Share of random actions in the first episode; of hill-climbing, of choices that are drawn anew [default: 1, run-zone 0.95, hill-climbing 0.3]
+    /// Share of random actions in the first episode [default: 1, run-zone 0.95]
     #[arg(long, value_name = "SHARE", value_parser = unit, allow_negative_numbers = true)]
     epsilon: Option<f64>,
 
-    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95 where valves are learnt, hill-climbing 1]
+    /// Factor of this share from one episode to the next [default: 0.99, with traces 0.95 where valves are learnt]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
     decay: Option<f64>,
 
@@ -69,11 +65,7 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "NAME=FROM:TO:COUNT", value_parser = steps_of)]
     state: Vec<(String, Bin)>,
 
-    /// Tables that are shifted against each other, whose values are summed [default: 1]
-    #[arg(long, value_name = "COUNT")]
-    tilings: Option<u32>,
-
-    /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40; run-stride 500, of a law 60; jump-stride 2000, of a law 200]
+    /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40; run-stride 500; jump-stride 2000]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     episodes: Option<u32>,
 
@@ -127,10 +119,9 @@ Examples:
   saltus learn run-zone --algorithm sarsa-lambda --episodes 40 --seeds 30 --out policy.json --plot curve.svg
   saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
   saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
-  saltus learn climb --algorithm hill-climbing --animate climb.html
-  saltus learn run-stride --algorithm bayes --episodes 60
+  saltus learn run-stride --algorithm sarsa --animate stride.html
   saltus learn run-zone --animate zone.html --shown 1,4,11
-  saltus learn run-legs --tilings 8 --state wheel_angle=-3.15:3.15:10 --state wheel_rate=-10:21:10
+  saltus learn run-legs --state pivot_angle=-0.1:0.1:4 --state wheel_rate=-10:21:20
   saltus learn run-zone --resume policy.json --episodes 80 --out policy.json
 
 Tasks, of the robot on its boom (rats-run), from rest on two legs. What is observed stands in brackets: --state gives its steps.
@@ -141,16 +132,13 @@ as high as on two legs
   run-zone     each 5 ms the valve of the leg in the active zone is open, or not; to 1.6 m, or for 1.8 s. [wheel_angle by the encoder, \
 wheel_rate by the filtered gyro, in the states of table 6.3]
   run-stride   as each leg enters the active zone, its firing angle and valve opening time; to 1.6 m, or for 3 s. [wheel_rate, lean of that leg, \
-speed, pivot_angle] Tables choose among 6 angles and 3 times
+speed, pivot_angle] It is one of 6 angles and 3 times
   jump-stride  the same over a box 10 cm high and 21 cm long, 1 m away, until the axle is a wheel's radius behind it. [box_distance, too]
 
 Algorithms: sarsa (6.2.2), q (6.2.3), sarsa-lambda (6.2.4), q-lambda (6.2.5; a trace ends where an action is not greedy). Actions \
 are random with probability epsilon, which fades from episode to episode; of equal values one is drawn. The defaults are those \
 of tables 6.2 and 6.4 as printed. With gamma 0.3 at 1 kHz a learner looks 1.4 ms ahead, while a valve takes 10 ms: \
---alpha 0.3 --gamma 1 interchanges the two columns. With --tilings each table holds a part of a value (tile coding); such a policy is scored, but cannot be run, played or exported. \
-hill-climbing learns no values: it draws the choices of three states in ten anew in each episode, and keeps them where the \
-episode's reward is not less; in climb it knows the time alone, in steps of 50 ms. \
-bayes (Bayesian optimisation) and cma-es learn no table, but the six numbers of the smooth law (`saltus run --gait smooth`), a run for each try.
+--alpha 0.3 --gamma 1 interchanges the two columns.
 
 Rewards, summed over the terms given, for each step: threshold:RATE (1 where the wheel is faster than RATE in rad/s, else -1), \
 rate (of the wheel, rad/s), travel (way in m), time (-1 for each second), gas (-1 for each kg), speed:SPEED (minus the \
@@ -201,22 +189,16 @@ enum AlgorithmName {
     Q,
     SarsaLambda,
     QLambda,
-    HillClimbing,
-    Bayes,
-    CmaEs,
 }
 
-impl From<AlgorithmName> for Method {
-    fn from(name: AlgorithmName) -> Method {
-        Method::Values(match name {
+impl From<AlgorithmName> for Algorithm {
+    fn from(name: AlgorithmName) -> Algorithm {
+        match name {
             AlgorithmName::Sarsa => Algorithm::Sarsa,
             AlgorithmName::Q => Algorithm::Q,
             AlgorithmName::SarsaLambda => Algorithm::SarsaLambda,
             AlgorithmName::QLambda => Algorithm::QLambda,
-            AlgorithmName::HillClimbing => return Method::HillClimbing,
-            AlgorithmName::Bayes => return Method::Bayes,
-            AlgorithmName::CmaEs => return Method::Evolution,
-        })
+        }
     }
 }
 
@@ -313,15 +295,11 @@ impl Learn {
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
         files.check()?;
-        if let Some(page) = &self.animate {
+        if self.animate.is_some() {
             let all = settings.schedule.episodes;
             if let Some(count) = self.shown.iter().find(|count| **count as usize > all) {
                 let allowed = format!("at most {all}, the episodes");
                 return Err(CliError::flag("--shown", count, allowed));
-            }
-            if settings.bins.tilings() > 1 {
-                let allowed = "left out with --tilings, whose tables cannot be played";
-                return Err(CliError::flag("--animate", page.display(), allowed));
             }
         }
         let interrupt = Interrupt::listen()?;
@@ -363,16 +341,20 @@ impl Learn {
         let robot = || self.robot.robot_or("rats-run");
         let mut settings = if let Some(before) = before {
             let mut settings = before.settings(task)?;
-            settings.method = self.algorithm.map_or(settings.method, Method::from);
+            settings.algorithm = self.algorithm.map_or(settings.algorithm, Algorithm::from);
             if self.robot.are_given() {
                 settings.plant.robot = robot()?;
             }
             settings
         } else {
-            let method = self.algorithm.map_or(task.method(), Method::from);
-            task.settings(robot()?, method)
+            let algorithm = self.algorithm.map_or(task.algorithm(), Algorithm::from);
+            task.settings(robot()?, algorithm)
         };
-        self.are_meant(&settings)?;
+        if self.lambda.is_some() && !settings.algorithm.has_traces() {
+            let name = settings.algorithm.name();
+            let allowed = format!("left out with --algorithm {name}, which has no traces");
+            return Err(CliError::flag("--lambda", "", allowed));
+        }
         let robot = &settings.plant.robot;
         if self.draw && robot.leg.cylinder().is_none() {
             let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
@@ -390,9 +372,6 @@ impl Learn {
         rates.alpha = self.alpha.unwrap_or(rates.alpha);
         rates.gamma = self.gamma.unwrap_or(rates.gamma);
         rates.lambda = self.lambda.unwrap_or(rates.lambda);
-        if self.replacing {
-            rates.traces = Traces::Replacing;
-        }
         let schedule = &mut settings.schedule;
         schedule.epsilon = self.epsilon.unwrap_or(schedule.epsilon);
         schedule.decay = self.decay.unwrap_or(schedule.decay);
@@ -400,7 +379,7 @@ impl Learn {
             .episodes
             .map_or(schedule.episodes, |count| count as usize);
         settings.steps = self.steps.map_or(settings.steps, |count| count as usize);
-        if !self.state.is_empty() || self.tilings.is_some() {
+        if !self.state.is_empty() {
             settings.bins = self.bins(&settings)?;
         }
         if !self.reward.is_empty() {
@@ -445,53 +424,7 @@ impl Learn {
             alone.map_err(|error| CliError::content(format!("--state {name}"), error))?;
             axes[place] = *bin;
         }
-        let bins = Bins::new(axes).map_err(|error| CliError::content("--state", error))?;
-        let tilings = self
-            .tilings
-            .map_or(settings.bins.tilings(), |count| count as usize);
-        bins.tiled(tilings)
-            .map_err(|error| CliError::content("--tilings", error))
-    }
-
-    /// Refuses flags that have no part in what is learnt, or by what.
-    fn are_meant(&self, settings: &Settings) -> Result<(), CliError> {
-        let (task, method) = (settings.task, settings.method);
-        if method.seeks_a_law() && !task.is_by_stride() {
-            let allowed = "used with run-stride or jump-stride, where a law says the firing angle";
-            return Err(CliError::flag("--algorithm", method.name(), allowed));
-        }
-        let of_values = [
-            ("--alpha", self.alpha.is_some()),
-            ("--gamma", self.gamma.is_some()),
-            ("--tilings", self.tilings.is_some()),
-        ];
-        let of_tables = [
-            ("--epsilon", self.epsilon.is_some()),
-            ("--decay", self.decay.is_some()),
-            ("--state", !self.state.is_empty()),
-        ];
-        let of_traces = [
-            ("--lambda", self.lambda.is_some()),
-            ("--replacing", self.replacing),
-        ];
-        let given = |flags: &[(&'static str, bool)]| {
-            let given = flags.iter().find(|(_, is_given)| *is_given);
-            given.map(|(flag, _)| *flag)
-        };
-        let name = method.name();
-        if let Some(flag) = given(&of_values).filter(|_| !method.has_values()) {
-            let allowed = format!("left out with --algorithm {name}, which learns no values");
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        if let Some(flag) = given(&of_tables).filter(|_| method.seeks_a_law()) {
-            let allowed = format!("left out with --algorithm {name}, which learns no table");
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        if let Some(flag) = given(&of_traces).filter(|_| !method.has_traces()) {
-            let allowed = format!("left out with --algorithm {name}, which has no traces");
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        Ok(())
+        Bins::new(axes).map_err(|error| CliError::content("--state", error))
     }
 
     /// What is gone on from.

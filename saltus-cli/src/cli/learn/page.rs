@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use saltus::gait::learn::Task as Course;
-use saltus::gait::{Footfall, GaitError, Row, Run, Setup, run};
+use saltus::gait::{Footfall, GaitError, Program, Row, Run, Setup, run};
 use saltus::learning::{Pupil, Settings, learn};
 
 use crate::animation::side_by_side;
@@ -60,7 +60,11 @@ pub(super) fn html(
             continue;
         };
         let robot = settings.plant.robot.clone();
-        let mut setup = Setup::new(robot, then.policy.program(settings)?, SECONDS);
+        let mut setup = Setup::new(
+            robot,
+            Program::Learnt(settings.policy(&then.table)?),
+            SECONDS,
+        );
         setup.zone = Course::default().zone;
         setup.obstacles.clone_from(&settings.plant.obstacles);
         let mut filmed = Filmed {
@@ -82,7 +86,7 @@ pub(super) fn html(
         "{}: {} by {}, seed {}, without exploration",
         settings.plant.robot.name,
         settings.task.name(),
-        settings.method.name(),
+        settings.algorithm.name(),
         pupil.seed
     );
     Ok(side_by_side(&title, &pages))

@@ -3,9 +3,7 @@
 use std::fmt::Write;
 
 use saltus::gait::learn::Outcome;
-use saltus::learning::{
-    Interval, Learnt, Policy, PolicyFile, Pupil, Settings, Task, interquartile,
-};
+use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, interquartile};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
@@ -131,10 +129,6 @@ impl Report<'_> {
                 "best",
                 format!("{} {unit}, seed {}", short(value), best.seed),
             );
-            if let Policy::Law(law) = &best.policy {
-                line("its firing angle", by_rate(law.firing_angle, "rad"));
-                line("its valve opening", by_rate(law.valve_open, "s"));
-            }
         }
         if s.task != Task::RunLegs {
             let share = self.arrived();
@@ -172,7 +166,7 @@ impl Report<'_> {
             "{}: {} by {}, {episodes} episode{}, {} seed{}\n",
             s.plant.robot.name,
             s.task.name(),
-            s.method.name(),
+            s.algorithm.name(),
             plural(all),
             self.learnt.pupils.len(),
             plural(self.learnt.pupils.len())
@@ -195,19 +189,12 @@ impl Report<'_> {
         let terms = s.reward.0.iter();
         let terms: Vec<String> = terms.map(|(term, by)| format!("{term}={by}")).collect();
         let reward = ("reward", terms.join(", "));
-        if s.method.seeks_a_law() {
-            return vec![reward];
-        }
         let (rates, schedule) = (&s.rates, &s.schedule);
-        let traces = if s.method.has_traces() {
+        let traces = if s.algorithm.has_traces() {
             format!(", lambda {}", short(rates.lambda))
         } else {
             String::new()
         };
-        if !s.method.has_values() {
-            let says = format!("{} of the choices an episode", short(schedule.epsilon));
-            return vec![reward, ("drawn anew", says)];
-        }
         let exploration = format!(
             "{}, times {} an episode",
             short(schedule.epsilon),
@@ -247,7 +234,7 @@ impl Report<'_> {
             "command": "learn",
             "task": s.task.name(),
             "robot": s.plant.robot.name,
-            "algorithm": s.method.name(),
+            "algorithm": s.algorithm.name(),
             "episodes": self.done(),
             "seeds": self.learnt.pupils.len(),
             "interrupted": self.interrupted,
@@ -286,7 +273,7 @@ impl Report<'_> {
                 "{}: {} by {}, {} seeds: mean of the middle half, 95 % interval thin",
                 s.plant.robot.name,
                 s.task.name(),
-                s.method.name(),
+                s.algorithm.name(),
                 self.learnt.pupils.len()
             ),
             x: "episode",
@@ -329,16 +316,6 @@ fn said(interval: Option<Interval>, unit: &str) -> String {
                 short(high)
             )
         },
-    )
-}
-
-/// A number of the smooth law.
-fn by_rate([rest, speed, half]: [f64; 3], unit: &str) -> String {
-    format!(
-        "{} {unit} at rest, {} {unit} at speed, half way at {} rad/s",
-        short(rest),
-        short(speed),
-        short(half)
     )
 }
 

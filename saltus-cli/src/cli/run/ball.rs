@@ -41,12 +41,6 @@ impl Run {
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
         let (gait, aim) = self.gait.rolls()?;
-        if self.analyse.is_some() {
-            return Err(CliError::Moved {
-                asked: format!("run --analyse --robot {}", robot.name),
-                place: Place::Study("ball_analysis 2.5e-5 40"),
-            });
-        }
         let mut setup = self.rolling(robot, gait);
         if self.robots.is_some() {
             return self.many_balls(&setup, aim);

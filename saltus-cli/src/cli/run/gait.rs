@@ -6,13 +6,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use saltus::Robot;
 use saltus::gait::learn::Task as Course;
-use saltus::gait::{Centre, Lines, Obstacle, Optimal, Program, Quest, Smooth, speed_law};
+use saltus::gait::{Centre, Lines, Obstacle, Program, Smooth, speed_law};
 use saltus::numeric::parallel::available;
 
 use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
-use crate::cli::best::goal;
 use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::cli::refused::refused;
@@ -35,8 +34,6 @@ pub(super) enum Kind {
     Smooth,
     /// A commanded speed is held: the speed of each firing angle is measured first
     Speed,
-    /// The least time from rest to a distance, by dynamic programming, as a table
-    Optimal,
     /// A robot in space rolls on the legs near one plane, by the firing angle of `open-loop`: twins fire as one leg
     Disc,
     /// The same on the legs that touch, kept in its plane and on its line by twins that open for different times
@@ -78,7 +75,6 @@ impl Kind {
             Kind::Curve => "curve",
             Kind::Smooth => "smooth",
             Kind::Speed => "speed",
-            Kind::Optimal => "optimal",
             Kind::Disc => "disc",
             Kind::DiscStable => "disc-stable",
             Kind::Steer => "steer",
@@ -211,15 +207,6 @@ pub(super) struct GaitFlags {
     #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
     pub(super) speed: Option<Speeds>,
 
-    /// Distance (m) of `optimal`, from rest [default: 1.6]
-    #[arg(long, value_name = "LENGTH", value_parser = goal, allow_hyphen_values = true)]
-    pub(super) distance: Option<f64>,
-
-    /// Levels of `optimal`, each with cells and choices half as coarse as the one before, 1 to 4
-    /// [default: 3]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=4))]
-    pub(super) refinements: Option<u8>,
-
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -250,8 +237,6 @@ pub(super) struct Chosen {
     pub(super) speeds: Vec<[f64; 2]>,
     /// The gait in words.
     pub(super) words: String,
-    /// The best policy that was found.
-    pub(super) best: Option<Optimal>,
     /// The boxes of what was learnt.
     pub(super) obstacles: Vec<Obstacle>,
 }
@@ -266,11 +251,11 @@ impl Learned {
                 format!("body.legs = {legs}: must be {own}, as the policy was learnt with");
             return Err(CliError::content(&robot.name, reason));
         }
-        let program = self.policy.program(settings);
+        let program = settings.policy(&self.table).map(Program::Learnt);
         let words = format!(
             "{} by {}, as seed {} learnt it",
             settings.task.name(),
-            settings.method.name(),
+            settings.algorithm.name(),
             self.seed
         );
         Ok(Chosen {
@@ -282,19 +267,8 @@ impl Learned {
             taps: vec![0.2; 5],
             speeds: Vec::new(),
             words,
-            best: None,
             obstacles: settings.plant.obstacles.clone(),
         })
-    }
-}
-
-impl Chosen {
-    /// The firing angle (rad) of a program that has only one.
-    pub(super) fn firing_angle(&self) -> Option<f64> {
-        match self.program {
-            Program::Fixed { firing_angle } => Some(firing_angle),
-            _ => None,
-        }
     }
 }
 
@@ -350,9 +324,7 @@ impl GaitFlags {
         self.within(&program, robot, zone)?;
         let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
         let words = match self.own() {
-            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Optimal | Kind::Policy => {
-                self.words(&program)
-            }
+            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Policy => self.words(&program),
             _ => format!("{}, {open}", self.words(&program)),
         };
         Ok(Chosen {
@@ -364,7 +336,6 @@ impl GaitFlags {
             taps: self.taps.0.clone(),
             speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
             words,
-            best: None,
             obstacles: Vec::new(),
         })
     }
@@ -377,9 +348,9 @@ impl GaitFlags {
 
     /// The flags that only some gaits have: which, what was given, which gaits.
     fn meant(&self) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Optimal, Smooth, Speed};
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Smooth, Speed};
         let two = self.lines.is_none_or(|lines| lines != LinesKind::One);
-        let given: [(&'static str, bool, &[Kind]); 15] = [
+        let given: [(&'static str, bool, &[Kind]); 13] = [
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
@@ -393,8 +364,6 @@ impl GaitFlags {
             ("--knots", self.knots.is_some(), &[Curve]),
             ("--aim", self.aim.is_some(), &[Smooth]),
             ("--speed", self.speed.is_some(), &[Speed]),
-            ("--distance", self.distance.is_some(), &[Optimal]),
-            ("--refinements", self.refinements.is_some(), &[Optimal]),
         ];
         for (flag, is_given, kinds) in given {
             if is_given && !kinds.contains(&self.own()) {
@@ -416,7 +385,7 @@ impl GaitFlags {
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
-        let has_times = matches!(self.own(), Curve | Smooth | Speed | Optimal);
+        let has_times = matches!(self.own(), Curve | Smooth | Speed);
         if has_times && self.valve_open.is_some() {
             let name = self.own().name();
             let allowed = format!("left out with --gait {name}, whose law says the time");
@@ -429,17 +398,7 @@ impl GaitFlags {
         Ok(())
     }
 
-    /// What is to be sought for `optimal`.
-    pub(super) fn quest(&self) -> Option<Quest> {
-        let usual = Quest::default();
-        (self.own() == Kind::Optimal).then(|| Quest {
-            distance: self.distance.unwrap_or(usual.distance),
-            levels: self.refinements.map_or(usual.levels, usize::from),
-        })
-    }
-
-    /// The program; for `optimal` one that stands in until the policy is sought, which needs the whole
-    /// setup.
+    /// The program.
     fn program(&self, robot: &Robot, zone: f64) -> Result<Program, CliError> {
         // The legs of a robot that has many are closer than the thesis' angle.
         let pitch = TAU / f64::from(robot.body.legs);
@@ -488,12 +447,9 @@ impl GaitFlags {
                 Program::Curve(knots.0.clone())
             }
             Kind::Smooth => self.aim.unwrap_or(Aim::Quick).law().program(),
-            Kind::Optimal
-            | Kind::Policy
-            | Kind::Disc
-            | Kind::DiscStable
-            | Kind::Steer
-            | Kind::Recover => Program::Fixed { firing_angle: zone },
+            Kind::Policy | Kind::Disc | Kind::DiscStable | Kind::Steer | Kind::Recover => {
+                Program::Fixed { firing_angle: zone }
+            }
             Kind::Speed => {
                 if self.speed.is_none() {
                     return Err(CliError::Missing {
@@ -530,7 +486,7 @@ impl GaitFlags {
                 };
                 knots.iter().map(|knot| (flag, knot[1])).collect()
             }
-            Program::Policy(..) | Program::Learnt(..) => Vec::new(),
+            Program::Learnt(..) => Vec::new(),
         };
         for (flag, angle) in angles {
             if !(zone..zone + pitch).contains(&angle) {
@@ -553,10 +509,6 @@ impl GaitFlags {
     fn words(&self, program: &Program) -> String {
         let short = |x: f64| digits(x, 4);
         match program {
-            _ if self.own() == Kind::Optimal => {
-                let quest = self.quest().unwrap_or_default();
-                format!("optimal over {} m", short(quest.distance))
-            }
             Program::Fixed { firing_angle } => {
                 format!("fixed, α_f {} rad", short(*firing_angle))
             }

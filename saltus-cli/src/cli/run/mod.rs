@@ -1,6 +1,5 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
-mod analysis;
 mod ball;
 mod ensemble;
 mod figure;
@@ -24,7 +23,6 @@ use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
 use super::Status;
-use super::best;
 use super::common::{
     OutputFlags, PlotOption, Threads, any_robot, note_valve, page_file, robot, seed,
 };
@@ -38,7 +36,6 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
-use analysis::Depth;
 pub(crate) use ensemble::{in_words, share};
 use follow::{Follower, OnTheWay, Thinned};
 pub(crate) use gait::Aim;
@@ -94,10 +91,6 @@ pub(crate) struct Run {
     #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
     drawn_across: f64,
 
-    /// Analyse the gait of `fixed`: energy, periodic gaits, starts that run, speed against gas;
-    /// with --robots over so many drawn robots [default without a value: full]
-    #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
-    analyse: Option<Depth>,
 
     #[command(flatten)]
     threads: Threads,
@@ -152,9 +145,7 @@ Examples:
   saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
   saltus run --gait smooth --seconds 5 --plot smooth.svg
   saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
-  saltus run --gait optimal --seconds 2 --distance 1.6 --refinements 2
   saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
-  saltus run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s --analyse quick
   saltus run --robot rats-twelve --gait disc --seconds 5
   saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
   saltus run --robot rats-twelve --path points.csv --seconds 60 --plot track.svg --animate run.html
@@ -167,7 +158,7 @@ the simulation.
 Suffixes: rad/s, deg/s; rad, deg; s, ms, min; in --disturb deg, rad, N, Nm, psi, kPa, bar.
 
 A stall is an answer: standing still for 0.5 s at the end of the run, unless --speed demands it; the report says since \
-when, where and why, and the exit code is 1. With --robots and --analyse the exit code does not depend on stalls. Ctrl-C ends a \
+when, where and why, and the exit code is 1. With --robots the exit code does not depend on stalls. Ctrl-C ends a \
 run early: the report and the rows are of the time up to then, and the exit code is 130.
 
 --disturb: slope tilts the ground (deg), uphill towards where the robot runs from its start; on a boom the robot runs in a circle, \
@@ -188,8 +179,7 @@ Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction
 \"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
 \"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\": [{\"from_s\", \"speed_m_s\", \"mean_of_second_half_m_s\"}], \"boxes\", \"ending\": {\"how\"}, \
 \"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
-\"residual\", \"gas_residual\"}, \"optimal\": {\"distance_m\", \"predicted_s\", \"flown_s\", \"fastest_firings\", \"fastest_firings_s\", \"levels\": [{\"cells\", \"choices\", \
-\"sweeps\", \"time_s\", \"bellman_residual_s\"}], \"table\": {\"rates_rad_s\", \"rows\"}}.
+\"residual\", \"gas_residual\"}.
 
 Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_stiffness_n_per_m\", \"friction_and_spring_at_mid_stroke_n\", \
 \"supply_standard_deviation_pa\", \"friction_along\", \"friction_across\"}; shares {\"count\", \"of\", \"share\", \"interval_95\"}: \"running\" (with \"from_m_s\", the least speed), \
@@ -202,26 +192,9 @@ Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_
 \"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
 \"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run.
 
---gait optimal seeks the least time from rest to --distance on this robot without noise and disturbances, by dynamic programming \
-over its strides, and runs the table that it finds: docs/running.md says how. If no choice leads there, the answer says how far \
-the robot comes, and the exit code is 1.
-
 --robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
 supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
 runs with its 95 % interval (Wilson); CSV has a row a robot. It does not depend on --threads.
-
---analyse reports on the gait of one firing angle and one valve opening time, --gait fixed: the energy of the run by parts; \
-periodic gaits with period, speed, gas and Floquet multipliers, each with its error; rolling without drive, in closed form; the \
-share of starts on one foot that run, on three grids; the frontier of speed against gas. All but the energy is of an ideal controller \
-without sensors and without --disturb. It takes half a minute on one core, or some seconds with `quick`. Text or JSON; with --robots the frontier is of drawn robots.
-
-Keys with --analyse: \"analysis\", \"firing\": {\"angle_rad\", \"valve_open_s\", \"section_lean_rad\"}; \"energy_j\": {\"gas_exergy\", \"valves_and_exhaust\", \"leg_work\", \
-\"outside\", \"lost\", \"lost_in_legs\", \"lost_in_other_joints\", \"lost_by_slip\", \"lost_to_the_air\", \"lost_in_impacts_at_ground\", \"lost_in_impacts_at_stops\", \
-\"gained\", \"unexplained\"}; \"periodic_gaits\": {\"start_rates_rad_s\", \"found\": [{\"legs\", \"period_s\", \"speed_m_s\", \"gas_kg_per_m\", \"work_j_per_m\", \"stability\", \"is_stable\", \
-\"residual\", \"multipliers\": [{\"real\", \"imaginary\", \"modulus\", \"error\"}]}]}; \"rolling\": {\"slope_rad\", \"least_slope_rad\", \"steady\": {\"rate_before_rad_s\", \
-\"rate_after_rad_s\", \"multiplier\"}}; \"starts\": {\"leans_rad\", \"rates_rad_s\", \"grids\": [{\"cells_a_side\", \"share_running\", \"boundary\", \"not_simulated\", \
-\"fates_by_lean_then_rate\"}]}; \"speed_against_gas\": {\"start_rate_rad_s\", \"angles_rad\", \"valve_open_s\", \"drawn_robots\", \"least_share_running\", \"running\" and \"frontier\": \
-[{\"firing_angle_rad\", \"valve_open_s\", \"speed_m_s\", \"gas_kg_per_m\", \"robots\", \"running\"}]}.
 
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
 by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
@@ -250,27 +223,14 @@ impl Run {
         if robot.space.is_some() {
             return self.ball(&robot);
         }
-        let mut chosen = match &learned {
+        let chosen = match &learned {
             Some(learned) => learned.chosen(&robot)?,
             None => self.gait.chosen(&robot)?,
         };
         note_valve(&robot, self.gait.valve_flag());
         disturb::check(&self.disturb, &robot)?;
         self.note_what_never_comes(&chosen);
-        if self.analyse.is_some() {
-            self.can_be_analysed(&robot, &chosen)?;
-        }
-        let mut setup = self.setup(&robot, &chosen)?;
-        if let Some(quest) = self.gait.quest() {
-            self.places()?;
-            chosen.best = best::seek(&mut setup, quest, self.threads.count().get())?;
-            if chosen.best.is_none() {
-                return Ok(Status::No);
-            }
-        }
-        if let Some(depth) = self.analyse {
-            return self.analysed(&setup, &chosen, depth);
-        }
+        let setup = self.setup(&robot, &chosen)?;
         if self.robots.is_some() {
             return self.many(&setup, &chosen);
         }

@@ -2,14 +2,13 @@
 
 use std::fmt::Write as _;
 
-use saltus::gait::{Ending, Level, Optimal, Setup, Summary};
+use saltus::gait::{Ending, Setup, Summary};
 use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
 use super::follow::{Follower, OUT, OnTheWay};
 use super::gait::Chosen;
-use crate::cli::best::predicted;
 use crate::cli::disturb::Typed;
 use crate::output::{self, digits};
 
@@ -177,7 +176,6 @@ impl Report<'_> {
             .map(|t| format!("reached at {} s", short(t)));
         lines.extend(time.map(|words| ("1.6 m", words)));
         lines.extend(self.follower.boxes.iter().map(|it| ("box", on_the_way(it))));
-        lines.extend(self.best().into_iter().flatten());
         lines
     }
 
@@ -189,28 +187,6 @@ impl Report<'_> {
         } else {
             travel
         }
-    }
-
-    /// What the best policy predicts, and what became of it.
-    fn best(&self) -> Option<[(&'static str, String); 2]> {
-        let found = self.chosen.best.as_ref()?;
-        let mark = short(self.setup.mark);
-        let flown = self.summary.time_to_mark.map_or_else(
-            || format!("{mark} m not reached"),
-            |time| {
-                let off = 100.0 * (time / found.time - 1.0);
-                // Adding 0 makes −0 0.
-                let off = (10.0 * off).round() / 10.0 + 0.0;
-                format!(
-                    "{mark} m in {} s, {off} % over what is predicted",
-                    short(time)
-                )
-            },
-        );
-        Some([
-            ("predicted", format!("{mark} m {}", predicted(found))),
-            ("flown", flown),
-        ])
     }
 
     /// What the legs did and what touched.
@@ -376,36 +352,8 @@ impl Report<'_> {
             },
         });
         let head = head(self.setup, self.chosen, self.disturbances);
-        let best = self.chosen.best.as_ref().map_or(
-            json!({}),
-            |found| json!({ "optimal": optimal(found, self.setup.mark, s.time_to_mark) }),
-        );
-        joined([head, motion, best, energy])
+        joined([head, motion, energy])
     }
-}
-
-/// The best policy, which was flown in `flown` (s), for JSON.
-fn optimal(found: &Optimal, distance: f64, flown: Option<f64>) -> Value {
-    let level = |level: &Level| {
-        json!({
-            "cells": level.cells, "choices": level.choices, "sweeps": level.sweeps,
-            "time_s": level.value.is_finite().then_some(level.value),
-            "bellman_residual_s": level.residual,
-        })
-    };
-    let table = &found.table;
-    json!({
-        "distance_m": distance,
-        "predicted_s": found.time,
-        "flown_s": flown,
-        "levels": found.levels.iter().map(level).collect::<Vec<_>>(),
-        "fastest_firings": found.sequence,
-        "fastest_firings_s": found.sequence_time,
-        "table": {
-            "rates_rad_s": table.rates,
-            "rows": table.nodes.chunks(table.count).collect::<Vec<_>>(),
-        },
-    })
 }
 
 /// What was run, for JSON.

@@ -144,8 +144,6 @@ impl GaitFlags {
             ("--knots", self.knots.is_some()),
             ("--aim", self.aim.is_some()),
             ("--speed", self.speed.is_some()),
-            ("--distance", self.distance.is_some()),
-            ("--refinements", self.refinements.is_some()),
             ("--direction", self.direction != Direction::Forwards),
             ("--taps", self.taps.0 != [0.2; 5]),
         ];

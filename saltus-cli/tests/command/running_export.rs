@@ -1,136 +1,21 @@
-//! The best policy, flown and exported; and the exported C of every gait against Rust.
+//! The exported C of every gait against Rust.
 
 use std::fmt::Write as _;
 use std::num::Wrapping;
 
 use saltus::controller::run::{Readings, Runner};
-use saltus::gait::{GaitError, Program, Quest, Setup, Smooth, optimal};
-use serde_json::Value;
+use saltus::gait::{GaitError, Program, Setup, Smooth};
 
 use crate::common::Folder;
 use crate::meaning::run_with;
 
-fn number(value: &Value, key: &str) -> f64 {
-    value[key]
-        .as_f64()
-        .unwrap_or_else(|| panic!("{key}: {value}"))
-}
-
-/// Two levels: a third takes a quarter of a minute in a debug build.
-const BEST: &str = "run --gait optimal --refinements 2 --seconds 2";
-
-#[test]
-fn the_best_policy_flies_as_predicted() {
-    let folder = Folder::new("optimal");
-    let json = |line: &str| -> Value {
-        serde_json::from_str(&folder.done(&format!("{line} --format json"), 0)).unwrap()
-    };
-    let run = json(BEST);
-    let best = &run["optimal"];
-    let (predicted, flown) = (number(best, "predicted_s"), number(best, "flown_s"));
-    assert!((flown / predicted - 1.0).abs() < 0.05, "{best}");
-    assert_eq!(run["time_to_1_6_m_s"], best["flown_s"]);
-    let levels = best["levels"].as_array().unwrap();
-    assert_eq!(levels.len(), 2);
-    for level in levels {
-        assert!(number(level, "bellman_residual_s") <= 1e-9, "{level}");
-        // The levels differ by less than what the cells of the coarser one are wide.
-        assert!(
-            (number(level, "time_s") / predicted - 1.0).abs() < 0.02,
-            "{best}"
-        );
-    }
-    assert!(number(&levels[1], "cells") > number(&levels[0], "cells"));
-    // A thread more or less changes no bit; other noise hardly the time.
-    assert_eq!(json(&format!("{BEST} --threads 1"))["optimal"], *best);
-    let other = json(&format!("{BEST} --seed 5"));
-    assert_eq!(other["optimal"]["table"], best["table"]);
-    assert!(
-        (number(&other["optimal"], "flown_s") / predicted - 1.0).abs() < 0.05,
-        "{other}"
-    );
-    let text = folder.done(BEST, 0);
-    assert!(
-        text.contains("rats-run: optimal over 1.6 m, 2 s\n"),
-        "{text}"
-    );
-    assert!(
-        text.contains("  predicted          1.6 m in 1.38"),
-        "{text}"
-    );
-}
-
-/// On ground where the rear foot of two slips sooner, there is more to choose.
-#[test]
-fn other_robots_and_distances_have_a_policy_of_their_own() {
-    let folder = Folder::new("optimal-others");
-    let slippery = "--set ground.static_friction=0.6 --set ground.kinetic_friction=0.6";
-    let line = format!("{BEST} {slippery} --distance 1 --format json");
-    let run: Value = serde_json::from_str(&folder.done(&line, 0)).unwrap();
-    let best = &run["optimal"];
-    assert_eq!(number(best, "distance_m"), 1.0);
-    // The smooth law takes over 0.75 s there.
-    assert!(number(best, "predicted_s") < 0.75, "{best}");
-    assert!(
-        (number(best, "flown_s") / number(best, "predicted_s") - 1.0).abs() < 0.05,
-        "{best}"
-    );
-}
-
-/// Where no foot slips a leg of two that stand cannot push: no choice leads anywhere.
-#[test]
-fn a_robot_that_no_choice_moves_has_no_policy() {
-    let folder = Folder::new("optimal-none");
-    let line = "run --gait optimal --robot rats-planar --refinements 1";
-    let said = folder.done(line, 1);
-    assert!(
-        said.starts_with("rats-planar: no best policy: no firings that were tried reach 1.6 m"),
-        "{said}"
-    );
-    let said = folder.done(
-        "export c --gait optimal --robot rats-planar --refinements 1 --out x",
-        1,
-    );
-    assert!(said.contains("no best policy"), "{said}");
-    assert!(!folder.path("x").exists());
-}
-
 #[test]
 fn what_means_nothing_is_refused() {
-    let folder = Folder::new("optimal-bad");
+    let folder = Folder::new("export-gaits-bad");
     for (line, parts) in [
         (
-            "run --gait optimal --distance 0",
-            &["--distance", "above 0, at most 10 m"][..],
-        ),
-        (
-            "run --gait optimal --distance 11",
-            &["--distance", "above 0, at most 10 m"],
-        ),
-        (
-            "run --gait optimal --refinements 5",
-            &["--refinements", "1..=4"],
-        ),
-        (
-            "run --gait smooth --distance 2",
-            &["--distance", "--gait optimal"],
-        ),
-        (
-            "run --gait fixed --refinements 2",
-            &["--refinements", "--gait optimal"],
-        ),
-        (
-            "run --gait optimal --valve-open 30ms",
-            &["--valve-open", "whose law says the time"],
-        ),
-        ("run --gait optimal --analyse", &["--analyse"]),
-        (
-            "export c --gait smooth --goal 2 --out x",
-            &["--goal", "--gait optimal"],
-        ),
-        (
             "export c --gait smooth --valve-open 30ms --out x",
-            &["--valve-open", "--gait smooth"],
+            &["--valve-open", "--gait smooth"][..],
         ),
         (
             "export c --gait curve --out x",
@@ -234,13 +119,6 @@ fn every_gait_is_exported_to_the_bit() {
         setup
     };
     let knots = vec![[0.0, 0.5, 0.05], [4.0, 0.1, 0.04], [9.0, -0.2, 0.03]];
-    let mut best = with(Program::Fixed { firing_angle: 0.0 }, -0.3);
-    let quest = Quest {
-        distance: 1.2,
-        levels: 1,
-    };
-    let found = optimal(&best, quest, 2, |_, _| ()).unwrap();
-    best.program = Program::Policy(found.table);
     let main = LOOP.replace("CYCLES", &CYCLES.to_string());
     for (flags, setup) in [
         ("smooth", with(Smooth::QUICK.program(), -0.3)),
@@ -252,7 +130,6 @@ fn every_gait_is_exported_to_the_bit() {
             "curve --knots 0:0.5:50ms,4:0.1:40ms,9:-0.2:30ms --zone -0.25",
             with(Program::Curve(knots), -0.25),
         ),
-        ("optimal --goal 1.2 --refinements 1", best),
         ("speed", Setup::at_speeds(&robot(), &[], 1.0, 2).unwrap()),
     ] {
         let line = format!("export c --robot rats-run --real double --out out --gait {flags}");

@@ -1,11 +1,11 @@
 //! Periodic gaits: states that come back after so many legs, and whether neighbours do.
 
 use nalgebra::{Complex, DMatrix, DVector};
+use saltus_gait::GaitError;
 use saltus_numeric::parallel;
 
 use super::chart::{Chart, distance};
 use super::stride::{Stride, StrideState, Strides};
-use crate::GaitError;
 
 /// A gait that repeats itself.
 #[derive(Clone, Debug)]

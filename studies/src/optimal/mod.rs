@@ -1,5 +1,5 @@
 //! The best policy: the least time from rest to a distance, by dynamic programming over the strides of
-//! a robot, as a table that its controller reads.
+//! a robot, as a table of firings.
 //!
 //! A stride begins where a leg enters the active zone, and the choice there is at which lean that leg
 //! fires and for how long. Strides are those of the controller's loop in the simulation, a cycle at a
@@ -16,12 +16,12 @@ mod walker;
 
 use std::f64::consts::TAU;
 
+use saltus_gait::{GaitError, Setup};
+
 use self::graph::Pick;
+pub use self::table::Table;
 use self::walker::{Choices, Way};
-use crate::GaitError;
-use crate::error::require;
-use crate::law::Table;
-use crate::run::Setup;
+use crate::require;
 
 /// What is sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +54,26 @@ pub struct Level {
     pub residual: f64,
     /// Sweeps of value iteration.
     pub sweeps: usize,
+}
+
+/// Why there is no policy.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum OptimalError {
+    /// The quest or the run cannot be.
+    #[error(transparent)]
+    Gait(#[from] GaitError),
+    /// No sequence of firings that was tried goes so far.
+    #[error(
+        "no firings that were tried reach {distance} m within {within:.3} s: they come to {farthest:.3} m"
+    )]
+    Unreached {
+        /// Distance (m).
+        distance: f64,
+        /// How far they came (m).
+        farthest: f64,
+        /// How long they were followed (s).
+        within: f64,
+    },
 }
 
 /// What was found.
@@ -112,14 +132,14 @@ impl Choices {
 /// level and its cells so far. The same on any number of `threads`.
 ///
 /// # Errors
-/// [`GaitError::Input`] for a quest that cannot be; [`GaitError::Unreached`] where no choice leads
-/// there; others as [`run`](crate::run).
+/// [`OptimalError::Unreached`] where no choice leads there; [`OptimalError::Gait`] for a quest that
+/// cannot be, and as [`run`](saltus_gait::run).
 pub fn optimal(
     setup: &Setup,
     quest: Quest,
     threads: usize,
     mut told: impl FnMut(usize, usize),
-) -> Result<Optimal, GaitError> {
+) -> Result<Optimal, OptimalError> {
     let Quest { distance, levels } = quest;
     let sound = distance > 0.0 && distance <= 10.0;
     require(sound, "distance (m)", distance, "above 0, at most 10 m")?;
@@ -130,7 +150,7 @@ pub fn optimal(
         levels as f64,
         allowed,
     )?;
-    let way = Way::new(setup, distance)?;
+    let way = Way::quiet(setup, distance)?;
     let pitch = TAU / f64::from(setup.robot.body.legs);
     let [fixed, by_way] = LONGEST;
     let mut limit = fixed + by_way * distance;
@@ -174,7 +194,7 @@ pub fn optimal(
             });
         }
     }
-    let unreached = GaitError::Unreached {
+    let unreached = OptimalError::Unreached {
         distance,
         farthest,
         within: limit,
@@ -184,4 +204,27 @@ pub fn optimal(
         ..best
     })
     .ok_or(unreached)
+}
+
+/// Time (s) from rest to `distance` (m) of the robot of `setup`, with the noise of its sensors, if
+/// `table` says what fires in place of its program; none where it is not there within the run.
+///
+/// # Errors
+/// As [`run`](saltus_gait::run).
+pub fn flown(setup: &Setup, table: &Table, distance: f64) -> Result<Option<f64>, GaitError> {
+    let way = Way::noisy(setup, distance)?;
+    let mut walker = way.begin()?;
+    let (mut entry, mut has_fired) = (walker.action.rate, false);
+    while walker.time < setup.seconds {
+        if walker.left() <= 0.0 {
+            return Ok(Some(walker.time));
+        }
+        let [angle, opening] = table.at(entry, walker.passed);
+        let fires = !has_fired && opening > 0.0 && walker.action.lean >= angle;
+        has_fired |= fires;
+        if walker.cycle(fires.then_some(opening))? {
+            (entry, has_fired) = (walker.action.rate, false);
+        }
+    }
+    Ok(None)
 }

@@ -1,12 +1,12 @@
 //! All that the analysis tells of a run, in one.
 
+use saltus_gait::{Draw, GaitError, Program, Setup, Summary, run};
+
 use super::basin::{Basin, Starts, refined};
 use super::energy::Energy;
 use super::frontier::{Choice, Choices, choices, frontier};
-use super::passive::{Rolling, least_slope, steady_rolling};
 use super::periodic::{Periodic, settled};
 use super::stride::{Firing, Strides};
-use crate::{Draw, GaitError, Program, Setup, Summary, run};
 
 /// How much is tried for a report.
 #[derive(Clone, Debug)]
@@ -16,8 +16,6 @@ pub struct Effort {
     /// Firing angle α_f (rad) of the periodic gait and of the starts, where the program of the run is
     /// not one of a fixed angle.
     pub angle: f64,
-    /// Slope (rad) of the passive rolling.
-    pub slope: f64,
     /// Rates (rad/s) of the upright starts from which periodic gaits are looked for.
     pub rates: Vec<f64>,
     /// Legs that run before a periodic gait is looked for, and after how many it may repeat.
@@ -37,7 +35,6 @@ impl Default for Effort {
         Effort {
             threads: 1,
             angle: 0.1,
-            slope: 0.25,
             rates: vec![4.0, 12.0],
             settling: [60, 8],
             starts: Starts::default(),
@@ -69,10 +66,6 @@ pub struct Report {
     pub summary: Summary,
     /// Where its energy went (J).
     pub energy: Energy,
-    /// Rolling unfired down [`Effort::slope`], with point feet and without a boom; none: it stops.
-    pub rolling: Option<Rolling>,
-    /// Least slope (rad) down which it rolls.
-    pub least_slope: Option<f64>,
     /// How the ideal controller fires in what follows.
     pub firing: Firing,
     /// The periodic gaits to which it comes from upright starts.
@@ -91,19 +84,6 @@ pub struct Report {
 /// # Errors
 /// [`GaitError`] for a run that cannot be, a motion that cannot go on, or a boom on a slope.
 pub fn report(setup: &Setup, effort: &Effort) -> Result<Report, GaitError> {
-    report_with(setup, effort, |_| ())
-}
-
-/// The same, which calls `begins` with the name of each part of the work as it begins.
-///
-/// # Errors
-/// As [`report`].
-pub fn report_with(
-    setup: &Setup,
-    effort: &Effort,
-    begins: impl Fn(&'static str),
-) -> Result<Report, GaitError> {
-    begins("the run");
     let summary = run(setup, &mut ())?;
     let robot = &setup.robot;
     let angle = match setup.program {
@@ -112,19 +92,14 @@ pub fn report_with(
     };
     let firing = Firing::new(angle, setup.valve_open);
     let strides = Strides::new(robot, firing)?.on(effort.threads);
-    begins("periodic gaits");
     let gaits = settled(&strides, &effort.rates, effort.settling)?;
     let stepped = |strides: Strides| strides.by(setup.stepping);
     let threads = effort.threads;
-    begins("starts that run");
     let basins = refined(&stepped(strides), &effort.starts, &effort.sizes, threads)?;
-    begins("speed against gas");
     let choices = choices(robot, &effort.choices, stepped, threads)?;
     Ok(Report {
         energy: Energy::of(robot, &summary),
         summary,
-        rolling: steady_rolling(robot, effort.slope),
-        least_slope: least_slope(robot),
         firing,
         gaits,
         basins,

@@ -1,15 +1,14 @@
 //! The report.
 
-use saltus_gait::analysis::frontier::Choices;
-use saltus_gait::analysis::{Effort, report};
 use saltus_gait::{Draw, GaitError};
+use saltus_studies::analysis::frontier::Choices;
+use saltus_studies::analysis::{Effort, report};
 
 use crate::pushed;
 
 /// The same for any number of threads, the differences of the multipliers included; its energy is
 /// that of its run.
 #[test]
-#[ignore = "nightly: 5 s"]
 fn a_report_is_the_same_for_any_number_of_threads() -> Result<(), GaitError> {
     let effort = |threads: usize| {
         let effort = Effort {

@@ -1,9 +1,9 @@
 //! Which starts lead to running.
 
 use saltus_gait::GaitError;
-use saltus_gait::analysis::basin::{Fate, Starts, basin, refined};
-use saltus_gait::analysis::stride::{Firing, Strides};
 use saltus_sim_check::Stepping;
+use saltus_studies::analysis::basin::{Fate, Starts, basin, refined};
+use saltus_studies::analysis::stride::{Firing, Strides};
 
 use crate::robot;
 

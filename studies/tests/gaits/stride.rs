@@ -1,7 +1,7 @@
 //! Strides as a map.
 
 use saltus_gait::GaitError;
-use saltus_gait::analysis::stride::{Firing, StrideState, Strides};
+use saltus_studies::analysis::stride::{Firing, StrideState, Strides};
 
 use crate::{planar, robot};
 

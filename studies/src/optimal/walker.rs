@@ -1,28 +1,25 @@
 //! A robot in its loop, stride by stride, that fires when it is told.
 
 use rand_pcg::Pcg64;
-use saltus_controller::run::{Action, Gait, Law, Runner};
+use saltus_controller::run::{Action, Gait, Law, Runner, Signals, Standing};
+use saltus_gait::{GaitError, Setup, Surroundings, World, instruments};
 use saltus_numeric::parallel;
 use saltus_robot::Sensors;
-
-use crate::GaitError;
-use crate::cast::instruments;
-use crate::run::{Setup, find_stand};
-use crate::surroundings::Surroundings;
-use crate::world::World;
 
 /// Longest stride (s): a slower one counts as a stall.
 const PATIENCE: f64 = 1.0;
 /// Least speed (m/s) at which the rest of the way is thought to go.
 const SLOWEST: f64 = 0.5;
 
-/// The way of a robot, without disturbances and without noise: sensors still have their counts.
+/// The way of a robot without disturbances.
 pub(super) struct Way {
     setup: Setup,
     sensors: Sensors,
     surroundings: Surroundings,
     /// To travel (m).
     distance: f64,
+    /// Stream of the noise.
+    stream: u128,
 }
 
 /// A robot in the loop of its controller, which finds the leg in the zone and its rate; nothing fires
@@ -34,6 +31,8 @@ pub(super) struct Walker<'a> {
     runner: Runner<'a, f64>,
     /// What the controller found in this cycle.
     pub(super) action: Action<f64>,
+    /// Legs that have come into the zone, less those that went back.
+    pub(super) passed: i32,
     /// Time (s).
     pub(super) time: f64,
 }
@@ -50,18 +49,33 @@ pub(super) enum After<'a> {
 }
 
 impl Way {
-    pub(super) fn new(setup: &Setup, distance: f64) -> Result<Way, GaitError> {
-        setup.check()?;
+    /// Without the sensors' noise; they still have their counts.
+    pub(super) fn quiet(setup: &Setup, distance: f64) -> Result<Way, GaitError> {
         let sensors = Sensors {
             gyro_noise: 0.0,
             accelerometer_noise: 0.0,
             ..setup.sensors()
         };
+        Way::new(setup, distance, (sensors, 0x0971))
+    }
+
+    /// With the noise that [`run`](saltus_gait::run) has.
+    pub(super) fn noisy(setup: &Setup, distance: f64) -> Result<Way, GaitError> {
+        Way::new(setup, distance, (setup.sensors(), 0x5a17))
+    }
+
+    fn new(
+        setup: &Setup,
+        distance: f64,
+        (sensors, stream): (Sensors, u128),
+    ) -> Result<Way, GaitError> {
+        setup.flashed(|_| ())?;
         Ok(Way {
             surroundings: Surroundings::new(&setup.robot, &[], &[])?,
             setup: setup.clone(),
             sensors,
             distance,
+            stream,
         })
     }
 
@@ -86,10 +100,10 @@ impl Way {
         let q = self.surroundings.rig.rest(0)?;
         let v = vec![0.0; self.surroundings.rig.mechanism.tree.velocities()];
         let stepping = self.setup.stepping;
-        let random = Pcg64::new(u128::from(self.setup.seed), 0x0971);
+        let random = Pcg64::new(u128::from(self.setup.seed), self.stream);
         let mut world = World::new(&self.surroundings, self.sensors, stepping, (&q, &v), random)?;
         let gait = self.gait();
-        let (rear, wheel) = find_stand(&self.setup, &mut world, &gait)?;
+        let (rear, wheel) = self.stand(&mut world, &gait)?;
         let mut runner = Runner::new(gait, rear, wheel, true);
         let now = world.read();
         let action = runner.step(&now.readings);
@@ -98,8 +112,24 @@ impl Way {
             world,
             runner,
             action,
+            passed: 0,
             time: now.time,
         })
+    }
+
+    /// The rear leg on which the robot finds itself, and its wheel's count there.
+    fn stand(&self, world: &mut World<'_>, gait: &Gait<'_, f64>) -> Result<(u32, i32), GaitError> {
+        let signals = Signals::new(gait.instruments, gait.taps);
+        let mut standing = Standing::new();
+        let mut wheel = 0;
+        for _ in 0..200 {
+            let readings = world.read().readings;
+            standing.take(&signals, &readings);
+            wheel = readings.wheel;
+        }
+        let gravity = self.setup.robot.environment.gravity;
+        let rear = standing.rear_leg(&signals, gait.legs, gravity);
+        rear.map(|rear| (rear, wheel)).map_err(GaitError::Unsure)
     }
 }
 
@@ -120,12 +150,7 @@ impl<'a> Walker<'a> {
         self.left() / self.measures()[3].max(SLOWEST)
     }
 
-    /// Legs that have come into the zone.
-    pub(super) fn passed(&self) -> i32 {
-        self.runner.passed()
-    }
-
-    /// What tells states apart beside [`passed`](Self::passed): filtered rate (rad/s), travel and
+    /// What tells states apart beside `passed`: filtered rate (rad/s), travel and
     /// height of the axle (m), their rates (m/s), and by how much all legs are out (m).
     pub(super) fn measures(&mut self) -> [f64; 6] {
         let rig = self.world.rig();
@@ -147,7 +172,15 @@ impl<'a> Walker<'a> {
         let before = self.action.in_zone;
         self.action = self.runner.step(&now.readings);
         self.time = now.time;
-        Ok(self.action.in_zone != before)
+        let legs = self.way.setup.robot.body.legs;
+        let came = (self.action.in_zone + legs - before) % legs;
+        // Of two ways round the shorter.
+        self.passed += if 2 * came < legs {
+            came.cast_signed()
+        } else {
+            -(legs - came).cast_signed()
+        };
+        Ok(came != 0)
     }
 
     /// A cycle of a stride that began at `since` (s), and how the stride ends in it, if it does.

@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::tabular::unit;
+use crate::unit;
 
 /// Something that proposes what to try next. Numbers are from 0 to 1 on each axis, and a greater score is better.
 pub trait Learner {

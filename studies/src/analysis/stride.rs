@@ -2,12 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use saltus_gait::GaitError;
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::{Happening, LegStart, Pause, Rig, Settings, Sim, SimError, Stepping, Watch};
 
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// How a robot runs, for a map of its strides: an ideal controller, without sensors and cycles, fires
 /// the leg in the zone at the instant at which its lean reaches the firing angle.

@@ -1,8 +1,7 @@
 //! Where the energy of a run goes.
 
+use saltus_gait::Summary;
 use saltus_robot::Robot;
-
-use crate::Summary;
 
 /// The energy of a run (J), part by part. What comes in, `gas` and `outside`, is what goes out and
 /// what is left: [`Energy::unexplained`] is round-off of the simulation.

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use saltus_gait::GaitError;
+
 use super::walker::{After, Choices, Walker, Way};
-use crate::GaitError;
+use crate::whole;
 
 /// Widths of a cell of size 1: rate (rad/s), travel and height (m), their rates (m/s), legs out (m).
 const WIDTHS: [f64; 6] = [0.4, 0.04, 0.02, 0.2, 0.4, 0.04];
@@ -89,9 +91,9 @@ pub(super) struct Level<'g> {
 
 fn key(walker: &mut Walker<'_>, size: f64) -> Key {
     let measures = walker.measures();
-    let mut key = [walker.passed(); 7];
+    let mut key = [walker.passed; 7];
     for (k, (measure, width)) in key[1..].iter_mut().zip(measures.iter().zip(WIDTHS)) {
-        *k = crate::cast::whole((measure / (size * width)).floor());
+        *k = whole((measure / (size * width)).floor());
     }
     key
 }
@@ -206,7 +208,7 @@ impl<'a> Explorer<'a, '_> {
         self.graph.farthest = self.graph.farthest.max(walker.travel());
         let fan = walker.fan(self.level.choices, threads)?;
         self.graph.cells.push(Cell {
-            passed: walker.passed(),
+            passed: walker.passed,
             rate: walker.action.rate,
             time: next.time,
             left: next.left,

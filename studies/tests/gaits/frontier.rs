@@ -1,8 +1,8 @@
 //! The frontier of speed against gas.
 
-use saltus_gait::analysis::frontier::{Choices, choices, frontier};
 use saltus_gait::{Draw, GaitError};
 use saltus_sim_check::Stepping;
+use saltus_studies::analysis::frontier::{Choices, choices, frontier};
 
 use crate::robot;
 

@@ -1,10 +1,10 @@
 //! Which starts lead to running, and which to a stall.
 
+use saltus_gait::GaitError;
 use saltus_numeric::parallel;
 
 use super::stride::Strides;
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// A plane of starts on the foot of leg 0, retracted and not slipping: its lean and the wheel's rate.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Periodic gaits over a parameter.
 
+use saltus_gait::GaitError;
 use saltus_robot::{Drive, GaugePressure, Robot};
 
 use super::periodic::{Periodic, Search, find, settle};
 use super::stride::{Firing, StrideState, Strides};
-use crate::GaitError;
 
 /// What a gait is followed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

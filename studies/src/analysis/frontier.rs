@@ -1,11 +1,10 @@
 //! Speed against gas: which firing angles and opening times none is better than in both.
 
+use saltus_gait::{Draw, GaitError, drawn_robot};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
 use super::stride::{Firing, Stride, Strides};
-use crate::GaitError;
-use crate::drawn::{Draw, drawn_robot};
 
 /// What is tried.
 #[derive(Clone, Debug)]

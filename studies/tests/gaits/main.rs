@@ -1,0 +1,35 @@
+//! Tests of the analysis of gaits and of the best policy.
+
+mod basin;
+mod energy;
+mod frontier;
+mod optimal;
+mod periodic;
+mod report;
+mod stride;
+
+use saltus_gait::{Disturbance, Program, Setup, What, When};
+use saltus_robot::Robot;
+
+/// The robot of that name.
+fn robot(name: &str) -> Robot {
+    saltus_robot::resolve(name, &[]).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The robot that runs, without its boom.
+fn planar() -> Robot {
+    let mut planar = robot("rats-run");
+    planar.boom = None;
+    planar
+}
+
+/// The robot that runs, fired at 0.1 rad, pushed at 0.5 s: thesis 5.1.2.
+fn pushed(seconds: f64) -> Setup {
+    let program = Program::Fixed { firing_angle: 0.1 };
+    let mut setup = Setup::new(robot("rats-run"), program, seconds);
+    setup.disturbances.push(Disturbance {
+        when: When::Time(0.5, 0.7),
+        what: What::Torque(5.0),
+    });
+    setup
+}
