@@ -230,6 +230,8 @@ pub struct Rolled {
     pub residual: f64,
     /// Work (J) of the legs.
     pub work: f64,
+    /// Steps whose contact forces obey the laws only nearly, as in [`Ledger`].
+    pub approximate: usize,
 }
 
 /// Rate of roll (rad/s), and way to a side (m), from which on a robot has left its plane.
@@ -567,6 +569,7 @@ impl Rolled {
     fn close(&mut self, start: &Ledger, end: &Ledger) {
         self.residual = end.residual(start);
         self.work = end.drive - start.drive;
+        self.approximate = end.approximate - start.approximate;
     }
 
     /// Takes a cycle into account of a robot that set out along `heading` (rad).

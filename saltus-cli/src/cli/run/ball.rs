@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use super::Run;
 use super::gait::Kind;
+use super::report::approximate;
 use super::rows::Rows;
 use crate::cli::{Place, Status};
 use crate::error::CliError;
@@ -224,6 +225,9 @@ impl Run {
             "energy unexplained",
             format!("{} J", digits(-rolled.residual, 3)),
         );
+        if let Some(words) = approximate(rolled.approximate) {
+            line("contacts", words);
+        }
         text
     }
 
@@ -254,6 +258,7 @@ impl Run {
             "firings": rolled.firings,
             "work_j": rolled.work,
             "residual_j": -rolled.residual,
+            "approximate_contacts": rolled.approximate,
         });
         if came.aim != Aim::Line {
             answer["way_m"] = came.way.into();

@@ -91,7 +91,6 @@ pub(crate) struct Run {
     #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
     drawn_across: f64,
 
-
     #[command(flatten)]
     threads: Threads,
 
@@ -179,7 +178,7 @@ Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction
 \"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
 \"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\": [{\"from_s\", \"speed_m_s\", \"mean_of_second_half_m_s\"}], \"boxes\", \"ending\": {\"how\"}, \
 \"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
-\"residual\", \"gas_residual\"}.
+\"residual\", \"gas_residual\"}, \"approximate_contacts\" (fixed steps whose contact forces obey the laws only to 1 mm/s and 1e-4 of the greatest force).
 
 Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_stiffness_n_per_m\", \"friction_and_spring_at_mid_stroke_n\", \
 \"supply_standard_deviation_pa\", \"friction_along\", \"friction_across\"}; shares {\"count\", \"of\", \"share\", \"interval_95\"}: \"running\" (with \"from_m_s\", the least speed), \
@@ -188,7 +187,7 @@ Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_sti
 coulomb_friction_n, spring_stiffness_n_per_m, spring_preload_n, friction_along, ending, stalled_at_m, stalled_since_s, error, drives_j, residual_j and those of a run.
 
 Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \"travel_m\", \"way_m\", \"place_m\", \"time_s\", \"points\", \"points_reached\", \
-\"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\"; with --robots \
+\"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\", \"approximate_contacts\"; with --robots \
 \"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
 \"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run.
 

@@ -267,6 +267,7 @@ impl Report<'_> {
             digits(s.gas_residual, 2)
         );
         lines.push(("unexplained", rest));
+        lines.extend(approximate(s.ledger.approximate).map(|words| ("contacts", words)));
         lines
     }
 
@@ -344,6 +345,7 @@ impl Report<'_> {
             "gas_kg_per_m": gas,
             "exergy_j_per_m": exergy,
             "leg_work_j": s.leg_work,
+            "approximate_contacts": l.approximate,
             "ledger_j": {
                 "kinetic_gained": kinetic, "potential_gained": potential, "springs_gained": springs,
                 "drives": l.drive, "outside": l.outside, "legs": l.joints, "slip": l.contacts,
@@ -426,5 +428,12 @@ fn box_json(it: &OnTheWay) -> Value {
     json!({
         "front_m": o.front, "length_m": o.length, "height_m": o.height,
         "over_s": it.over.map(|[since, _]| since), "highest_m": it.over.map(|[_, up]| up), "passed_s": it.passed,
+    })
+}
+
+/// What is said of fixed steps whose contact forces obey the laws only nearly, if there are any.
+pub(super) fn approximate(steps: usize) -> Option<String> {
+    (steps > 0).then(|| {
+        format!("in {steps} steps the forces obey the laws of contact only to 1 mm/s and 1e-4 of the greatest")
     })
 }
