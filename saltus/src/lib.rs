@@ -34,7 +34,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod chart;
-pub mod closed_loop;
 pub mod course;
 pub mod experiment;
 pub mod export;
@@ -44,7 +43,6 @@ pub mod inject;
 pub mod input;
 pub mod learning;
 pub mod on_plant;
-pub mod parkour;
 pub mod power;
 pub mod recording;
 pub mod replan;
@@ -67,7 +65,7 @@ pub use saltus_robot as robot;
 pub use saltus_sim_check as sim_check;
 pub use saltus_telemetry as telemetry;
 
-pub use saltus_ballistic::{DragFlight, Flight, FlightError, Trajectory};
+pub use saltus_ballistic::{DragFlight, Flight, FlightError};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};
 pub use saltus_planner::{Jump, Planner};
 pub use saltus_robot::{Robot, RobotError, resolve};

@@ -39,7 +39,18 @@ struct Moved {
     place: Place,
 }
 
-const MOVED: &[Moved] = &[];
+const MOVED: &[Moved] = &[
+    Moved {
+        command: "export",
+        words: "--as",
+        place: Place::Gone("saltus export policy writes C99, which a program in Rust links"),
+    },
+    Moved {
+        command: "parkour",
+        words: "",
+        place: Place::Study("parkour INSTANCES.json"),
+    },
+];
 
 /// That a command line which could not be parsed asks for something that has moved.
 pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
@@ -50,7 +61,7 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
         .iter()
         .flat_map(|word| match word.split_once('=') {
             Some((flag, value)) if flag.starts_with("--") => vec![flag, value],
-            _ => vec![word],
+            _ => vec![word.as_ref()],
         })
         .collect();
     let is_asked = |moved: &&Moved| {

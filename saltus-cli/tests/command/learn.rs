@@ -155,15 +155,6 @@ fn a_learnt_table_is_exported() {
     let header = folder.read("c/saltus_policy.h");
     assert!(header.contains("saltus_policy_choices[961]") && header.contains("typedef double"));
     folder.done(
-        "export policy zone.json --as rust --name ZONE --out rust",
-        0,
-    );
-    assert!(
-        folder
-            .read("rust/policy.rs")
-            .contains("pub const ZONE: Choices<'static, f32>")
-    );
-    folder.done(
         "learn run-stride --algorithm q --seeds 1 --episodes 3 --out q.json",
         0,
     );
@@ -281,16 +272,8 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     ("run --policy-seed 1", "--policy"),
     ("export policy empty.json --out c", "policy: is missing"),
-    (
-        "export policy policy.json --out c --name RUN",
-        "which has no constant",
-    ),
     ("export policy policy.json --out empty.json", "a folder"),
     ("export policy policy.json", "--out"),
-    (
-        "export policy law.json --as rust --out c",
-        "which is no table",
-    ),
     (
         "export policy tilings.json --out c",
         "tilings = 2: must be 1",

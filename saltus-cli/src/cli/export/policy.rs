@@ -2,30 +2,26 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use saltus::export::{LearntTable, Number, Running};
 use saltus::gait::Setup;
 use saltus::gait::learn::Task;
 use saltus::learning;
 
-use super::tables::{RealType, identifier};
+use super::tables::RealType;
 use crate::cli::Status;
 use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
 use crate::output::{Files, reachable_folder};
 
-/// Write what `saltus learn` learnt as a table in C99 or Rust
+/// Write what `saltus learn` learnt as a table in C99
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus export policy --help` explains the files.", after_long_help = HELP)]
 pub(super) struct Policy {
     /// What `saltus learn --out` wrote as JSON
     #[arg(value_name = "POLICY.json")]
     learnt: PathBuf,
-
-    /// The language
-    #[arg(long = "as", value_enum, default_value_t = Language::C)]
-    language: Language,
 
     /// The seed whose policy is written [default: the one that did best]
     #[arg(long = "policy-seed", value_name = "SEED", value_parser = seed)]
@@ -35,10 +31,6 @@ pub(super) struct Policy {
     #[arg(long, value_enum, default_value_t = RealType::Float)]
     real: RealType,
 
-    /// Name of the constant in Rust [default: POLICY]
-    #[arg(long, value_name = "NAME", value_parser = identifier)]
-    name: Option<String>,
-
     /// Write the files into this folder, which is made if it is not there
     #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
     out: PathBuf,
@@ -47,30 +39,17 @@ pub(super) struct Policy {
 const HELP: &str = "\
 Examples:
   saltus export policy policy.json --out firmware/src
-  saltus export policy policy.json --as rust --real double --name RUN_ZONE --out src
 
-A table becomes saltus_policy.h, which has the choice in each state and the function that finds it, or policy.rs, a constant for the crate \
-saltus-controller. What is observed, in which units, and what the choices are stands at the head; it is printed, too. The choice is the action of the \
-greatest value, of equal ones the first: what `saltus learn` scores and `saltus run --policy` runs, to the bit with --real double.
+A table becomes saltus_policy.h, which has the choice in each state and the function that finds it. What is observed, in which units, and what the \
+choices are stands at the head; it is printed, too. The choice is the action of the greatest value, of equal ones the first: what `saltus learn` \
+scores and `saltus run --policy` runs, to the bit with --real double.
 
-A law (run-stride by bayes or cma-es) becomes the files of `saltus export c --gait`, for C alone.
+A law (run-stride by bayes or cma-es) becomes the files of `saltus export c --gait`.
 
 A table of several tilings cannot be written: exit code 2.";
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Language {
-    /// C99
-    C,
-    /// Rust
-    Rust,
-}
-
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        if let (Some(name), Language::C) = (&self.name, self.language) {
-            let allowed = "left out with --as c, which has no constant to name";
-            return Err(CliError::flag("--name", name, allowed));
-        }
         if self.out.exists() && !self.out.is_dir() {
             let allowed = "a folder, into which the files are written";
             return Err(CliError::flag("--out", self.out.display(), allowed));
@@ -88,20 +67,7 @@ impl Policy {
         let wrong = |error| CliError::content(&name, error);
         let table = LearntTable::new(&learned.policy, &learned.settings, learned.seed);
         let (texts, about) = match table.map_err(wrong)? {
-            Some(table) => {
-                let text = match self.language {
-                    Language::C => ("saltus_policy.h", table.c::<R>()),
-                    Language::Rust => (
-                        "policy.rs",
-                        table.rust::<R>(self.name.as_deref().unwrap_or("POLICY")),
-                    ),
-                };
-                (vec![text], table.about)
-            }
-            None if self.language == Language::Rust => {
-                let allowed = "c for a law, which is no table";
-                return Err(CliError::flag("--as", "rust", allowed));
-            }
+            Some(table) => (vec![("saltus_policy.h", table.c::<R>())], table.about),
             None => {
                 let running = law::<R>(&learned.policy, &learned.settings).map_err(wrong)?;
                 (running.files.to_vec(), running.about)
