@@ -14,7 +14,7 @@ HEAD = """# Python reference
 
 <!-- Written by site/python_reference.py from the package: do not edit. -->
 
-`pip install saltus` gives the module `saltus`. [Python and sweeps](../python.md) shows what it is for. This page
+`pip install saltus` gives the module `saltus`. [Python](../python.md) shows what it is for. This page
 lists its names with their types, as type checkers see them. `help(saltus.table)` shows the same in Python.
 
 Names used below: `RobotLike` is a `Robot`, the name of a built-in robot, or the path of a robot file. `Place` is the
@@ -27,8 +27,6 @@ All errors of input are `saltus.SaltusError`, a `ValueError`.
 SECTIONS = [
     ("Jumps", "jumps.py", ["jump", "jumps", "flight"], ""),
     ("Verbs of the command", "verbs.py", None, ""),
-    ("Sweeps", "sweeps.py", ["sweep"], ""),
-    ("Plots", "plot.py", None, "plot."),
     ("Models of MuJoCo", "from_mujoco.py", ["convert"], "from_mujoco."),
     ("Robots and jumps", "_saltus.pyi", ["Robot", "Jump", "SaltusError"], ""),
     ("Answers", "answers.py", ["Answer", "Columns"], ""),

@@ -2,7 +2,7 @@
 
 use saltus_numeric::Single;
 
-use crate::outline::{Feature, Gap, Outline};
+use crate::obstacle::{Feature, Gap};
 use crate::path::{Arc, Path, settle};
 use crate::{Flight, FlightError, Obstacle};
 
@@ -36,30 +36,15 @@ impl<S> Disc<S> {
     }
 }
 
-/// The least clearance, and where it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance<S> {
-    /// Distance (m) from the disc to the obstacle; negative by the depth of the centre, plus the
-    /// radius, if it hits.
-    pub distance: S,
-    /// Time (s) after lift-off.
-    pub time: S,
-    /// Where the centre is then (m).
-    pub centre: [S; 2],
-    /// What of the obstacle is nearest then.
-    pub feature: Feature,
-    /// The obstacle's nearest point (m).
-    pub point: [S; 2],
-}
-
 impl<S: Single> Flight<S> {
-    /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off.
+    /// Least clearance (m) of `disc` over `obstacle` from time `from` to `to` (s) after lift-off;
+    /// negative by the depth of the centre, plus the radius, if the disc hits it.
     ///
     /// The minimum over time of the centre's signed distance to the obstacle less the radius. It is
     /// found among the roots of polynomials, without sampling, and carries exact derivatives: those
     /// of an inner minimum with its time held fixed, those of a minimum at an end with that end.
     ///
-    /// Not promised: derivatives where two minima are equal, or where the centre touches a vertex.
+    /// Not promised: derivatives where two minima are equal, or where the centre touches a corner.
     ///
     /// ```
     /// use saltus_ballistic::{Disc, Flight, FlightError, Obstacle};
@@ -67,7 +52,7 @@ impl<S: Single> Flight<S> {
     /// let carton = Obstacle::block([0.4, 0.0], [0.61, 0.21])?;
     /// let landing = flight.time_to_height(0.24)?;
     /// let clearance = flight.clearance(&Disc::wheel(0.24), &carton, 0.0, landing)?;
-    /// assert!((clearance.distance - 0.12884).abs() < 1e-5);
+    /// assert!((clearance - 0.12884).abs() < 1e-5);
     /// # Ok::<(), FlightError>(())
     /// ```
     ///
@@ -79,7 +64,7 @@ impl<S: Single> Flight<S> {
         obstacle: &Obstacle,
         from: S,
         to: S,
-    ) -> Result<Clearance<S>, FlightError> {
+    ) -> Result<S, FlightError> {
         self.check_finite()?;
         check_span(from, to)?;
         Ok(clearance(self, disc, obstacle, [from, to]))
@@ -103,8 +88,8 @@ pub(crate) fn clearance<S: Single>(
     disc: &Disc<S>,
     obstacle: &Obstacle,
     [from, to]: [S; 2],
-) -> Clearance<S> {
-    let least = |span, radius| least(path, &obstacle.outline, span, radius);
+) -> S {
+    let least = |span, radius| least(path, obstacle, span, radius);
     match disc.leg {
         Some(leg) if from.value() < leg.until.value() => {
             if to.value() < leg.until.value() {
@@ -114,7 +99,7 @@ pub(crate) fn clearance<S: Single>(
                 least([from, leg.until], leg.reach),
                 least([leg.until, to], disc.radius),
             );
-            if out.distance.value() <= retracted.distance.value() {
+            if out.value() <= retracted.value() {
                 out
             } else {
                 retracted
@@ -158,15 +143,10 @@ impl<S> Best<S> {
 /// Least clearance of a disc of constant radius.
 ///
 /// The candidates are a superset of the local minima; the exact distance decides among them.
-fn least<S: Single>(
-    path: &impl Path<S>,
-    outline: &Outline,
-    span: [S; 2],
-    radius: S,
-) -> Clearance<S> {
+fn least<S: Single>(path: &impl Path<S>, obstacle: &Obstacle, span: [S; 2], radius: S) -> S {
     let values = span.map(S::value);
     let at = |time: f64, cause: Cause<S>| {
-        let (feature, gap) = outline.nearest(path.state(S::of(time)).position.map(S::value));
+        let (feature, gap) = obstacle.nearest(path.state(S::of(time)).position.map(S::value));
         Best {
             gap,
             time,
@@ -178,85 +158,57 @@ fn least<S: Single>(
     for arc in path.arcs(values[0], values[1]) {
         // A minimum may sit in the bend between two arcs.
         best = best.or(at(arc.span[0], Cause::Level));
-        for_each_level(outline, &arc, |time| best = best.or(at(time, Cause::Level)));
+        for_each_level(obstacle, &arc, |time| {
+            best = best.or(at(time, Cause::Level))
+        });
         if best.gap < NEAR {
-            for_each_tie(outline, &arc, |time, a, b| {
+            for_each_tie(obstacle, &arc, |time, a, b| {
                 best = best.or(at(time, Cause::Tie(a, b)));
             });
         }
     }
-    let time = settled(path, outline, &best, values);
-    let state = path.state(time);
-    let gap = outline.gap(best.feature, &state).value;
-    let point = outline.foot(best.feature, state.position, gap);
-    Clearance {
-        distance: gap - radius,
-        time,
-        centre: state.position,
-        feature: best.feature,
-        point,
-    }
+    let time = settled(path, &best, values);
+    best.feature.gap(&path.state(time)).value - radius
 }
 
 /// The time of the minimum on the path itself, with its derivatives.
-fn settled<S: Single>(path: &impl Path<S>, outline: &Outline, best: &Best<S>, span: [f64; 2]) -> S {
+fn settled<S: Single>(path: &impl Path<S>, best: &Best<S>, span: [f64; 2]) -> S {
     match best.cause {
         Cause::End(time) => time,
         Cause::Level => settle(best.time, span, |t| {
-            let Gap { rate, bend, .. } = outline.gap(best.feature, &path.state(t));
+            let Gap { rate, bend, .. } = best.feature.gap(&path.state(t));
             [rate, bend]
         }),
         Cause::Tie(a, b) => settle(best.time, span, |t| {
             let state = path.state(t);
-            let (a, b) = (outline.gap(a, &state), outline.gap(b, &state));
+            let (a, b) = (a.gap(&state), b.gap(&state));
             [a.value - b.value, a.rate - b.rate]
         }),
     }
 }
 
-/// Times at which the distance to a feature is level, or an edge's line is crossed, which shows
-/// that the path dips in.
-fn for_each_level(outline: &Outline, arc: &Arc, mut found: impl FnMut(f64)) {
-    for edge in &outline.edges {
-        let distance = arc.distance(edge);
+/// Times at which the distance to a feature is level, or a side's line is crossed, which shows that
+/// the path dips in.
+fn for_each_level(obstacle: &Obstacle, arc: &Arc, mut found: impl FnMut(f64)) {
+    for side in obstacle.sides() {
+        let distance = side.distance(arc);
         arc.roots(&distance.derivative())
             .chain(arc.roots(&distance))
             .for_each(&mut found);
     }
-    for corner in &outline.corners {
-        arc.roots(&arc.squared_distance(corner).derivative())
+    for corner in obstacle.corners() {
+        arc.roots(&corner.distance(arc).derivative())
             .for_each(&mut found);
     }
 }
 
-/// Times at which two features are equally far from a centre inside the solid: edges and reflex
-/// corners only.
-fn for_each_tie(outline: &Outline, arc: &Arc, mut found: impl FnMut(f64, Feature, Feature)) {
-    let reflex = || {
-        outline
-            .corners
-            .iter()
-            .enumerate()
-            .filter(|(_, corner)| corner.reflex)
-    };
-    for (i, edge) in outline.edges.iter().enumerate() {
-        let distance = arc.distance(edge);
-        for (j, other) in outline.edges.iter().enumerate().skip(i + 1) {
-            let tie = distance - arc.distance(other);
-            arc.roots(&tie)
-                .for_each(|t| found(t, Feature::Edge(i), Feature::Edge(j)));
-        }
-        for (j, corner) in reflex() {
-            let tie = distance * distance - arc.squared_distance(corner);
-            arc.roots(&tie)
-                .for_each(|t| found(t, Feature::Edge(i), Feature::Vertex(j)));
-        }
-    }
-    for (i, corner) in reflex() {
-        for (j, other) in reflex().filter(|&(j, _)| j > i) {
-            let tie = arc.squared_distance(corner) - arc.squared_distance(other);
-            arc.roots(&tie)
-                .for_each(|t| found(t, Feature::Vertex(i), Feature::Vertex(j)));
+/// Times at which two sides are equally far from a centre inside the box.
+fn for_each_tie(obstacle: &Obstacle, arc: &Arc, mut found: impl FnMut(f64, Feature, Feature)) {
+    let sides = obstacle.sides();
+    for (i, side) in sides.into_iter().enumerate() {
+        for &other in &sides[i + 1..] {
+            let tie = side.distance(arc) - other.distance(arc);
+            arc.roots(&tie).for_each(|t| found(t, side, other));
         }
     }
 }

@@ -11,7 +11,7 @@ use saltus_numeric::Single;
 
 use crate::clearance::{check_span, clearance};
 use crate::flight::times;
-use crate::{Clearance, Disc, Flight, FlightError, Landing, Obstacle, Terrain};
+use crate::{Disc, Flight, FlightError, Obstacle};
 use track::{Node, Track};
 
 /// A flight with the drag −c |v| v per mass.
@@ -56,6 +56,40 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
+    /// Position (m) and velocity (m/s) of the wheel's centre at time `t` (s) after lift-off.
+    pub fn motion(&self, t: S) -> [[S; 2]; 2] {
+        [self.position(t), self.velocity(t)]
+    }
+
+    /// The same flight from a place `by` (m) farther along.
+    #[must_use]
+    pub fn shifted(&self, by: S) -> Self {
+        let mut along = *self;
+        along.vacuum.x = along.vacuum.x + by;
+        along
+    }
+
+    /// The flight without air and without derivatives.
+    pub fn parabola(&self) -> Flight<f64> {
+        self.vacuum.values()
+    }
+
+    /// Distance (m) that the wheel's centre keeps until it is down at `height` (m) from the upper
+    /// corner (m) of a wall without thickness; negative where it passes below the corner. None
+    /// with drag.
+    pub fn over_corner(&self, corner: [f64; 2], height: S) -> Option<S> {
+        if !self.is_vacuum() {
+            return None;
+        }
+        let vacuum = &self.vacuum;
+        let landing = vacuum.time_to_height(height).ok()?;
+        let distance = vacuum.distance_to_point(corner, S::of(0.0), landing);
+        let passing = (corner[0] - vacuum.x.value()) / vacuum.vx.value();
+        let is_below = (0.0..=landing.value()).contains(&passing)
+            && vacuum.position(S::of(passing))[1].value() < corner[1];
+        Some(if is_below { -distance } else { distance })
+    }
+
     /// Greatest height (m) of the wheel's centre from lift-off on; infinite where it rises without
     /// gravity.
     pub fn apex_height(&self) -> S {
@@ -94,33 +128,7 @@ impl<S: Single> DragFlight<S> {
         }
     }
 
-    /// Where a wheel of `radius` (m) lands on `terrain`, as [`Flight::landing`].
-    ///
-    /// # Errors
-    /// As [`Flight::landing`]; [`FlightError::BadDrag`].
-    pub fn landing(&self, terrain: &Terrain, radius: S) -> Result<Landing<S>, FlightError> {
-        /// Doublings of the time looked at: to 1e19 s.
-        const MOST: i32 = 64;
-        if self.is_vacuum() {
-            return self.vacuum.landing(terrain, radius);
-        }
-        self.check()?;
-        for doubling in 0..MOST {
-            let horizon = 2_f64.powi(doubling);
-            let track = Track::new(self, horizon);
-            if let Some(landing) = terrain.touchdown(&track, radius, horizon) {
-                return Ok(landing);
-            }
-            // False where it is not a number, too.
-            let above = terrain.gap(track.node(S::of(horizon)).position()) > radius.value();
-            if !above {
-                break;
-            }
-        }
-        Err(terrain.never_lands(&self.vacuum, radius))
-    }
-
-    /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as
+    /// Least clearance (m) of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as
     /// [`Flight::clearance`].
     ///
     /// Accurate to 1e-8 m: to that the path is approximated by parabolas in the search for minima.
@@ -135,7 +143,7 @@ impl<S: Single> DragFlight<S> {
         obstacle: &Obstacle,
         from: S,
         to: S,
-    ) -> Result<Clearance<S>, FlightError> {
+    ) -> Result<S, FlightError> {
         if self.is_vacuum() {
             return self.vacuum.clearance(disc, obstacle, from, to);
         }
@@ -144,12 +152,8 @@ impl<S: Single> DragFlight<S> {
         if from.value() < 0.0 {
             return Err(FlightError::BeforeLiftOff { time: from.value() });
         }
-        Ok(clearance(
-            &Track::new(self, to.value()),
-            disc,
-            obstacle,
-            [from, to],
-        ))
+        let track = Track::new(self, to.value());
+        Ok(clearance(&track, disc, obstacle, [from, to]))
     }
 
     /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both

@@ -70,17 +70,6 @@ pub enum FlightError {
         /// The height asked for (m).
         height: f64,
     },
-    /// The wheel does not come down to the terrain.
-    #[error(
-        "the wheel's centre, {gap} m from the terrain at lift-off, never comes down to its radius \
-         of {radius} m"
-    )]
-    NeverLands {
-        /// Distance of the wheel's centre from the terrain at lift-off (m), negative below it.
-        gap: f64,
-        /// The wheel's radius (m).
-        radius: f64,
-    },
     /// A span of time that ends before it starts, or does not end.
     #[error("there is no time from {from} s to {to} s")]
     EmptySpan {
@@ -96,51 +85,5 @@ pub enum FlightError {
         low: [f64; 2],
         /// Its upper right corner (m).
         high: [f64; 2],
-    },
-    /// Too few vertices for a shape.
-    #[error("{count} vertices where at least {least} are needed")]
-    FewVertices {
-        /// How many there are.
-        count: usize,
-        /// How many there must be.
-        least: usize,
-    },
-    /// A vertex that is nowhere.
-    #[error("vertex {vertex} at ({}, {}) m is not at a finite place", at[0], at[1])]
-    VertexNotFinite {
-        /// Its number, from 0.
-        vertex: usize,
-        /// Its coordinates (m).
-        at: [f64; 2],
-    },
-    /// An edge without length.
-    #[error("vertex {vertex} at ({}, {}) m is there twice in a row", at[0], at[1])]
-    VertexRepeated {
-        /// Number of the first of the two, from 0.
-        vertex: usize,
-        /// Its coordinates (m).
-        at: [f64; 2],
-    },
-    /// A polygon that crosses, touches or folds back over itself.
-    #[error("edges {first} and {second} meet elsewhere than at a common end")]
-    EdgesCross {
-        /// Number of an edge, that of its first vertex.
-        first: usize,
-        /// Number of the other edge.
-        second: usize,
-    },
-    /// A terrain that overhangs.
-    #[error("the terrain runs back at vertex {vertex}, ({}, {}) m", at[0], at[1])]
-    TerrainRunsBack {
-        /// Number of the vertex that it runs back from, from 0.
-        vertex: usize,
-        /// Its coordinates (m).
-        at: [f64; 2],
-    },
-    /// A slope that is a wall or an overhang.
-    #[error("a slope of {angle} rad is not between level and upright")]
-    TooSteep {
-        /// Its angle above the level (rad).
-        angle: f64,
     },
 }

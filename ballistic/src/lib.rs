@@ -3,12 +3,10 @@
 //! * [`Flight`]: the parabola in closed form, for plain numbers, duals and SIMD lanes.
 //! * [`DragFlight`]: the same with air drag, off at 0.
 //! * [`SampledFlight`]: a flight that another simulation has computed.
-//! * [`Trajectory`]: what a planner asks of any of them.
-//! * [`Terrain`] and [`Landing`]: where the wheel comes down.
-//! * [`Obstacle`], [`Disc`] and [`Clearance`]: what it must clear, and by how much it does.
+//! * [`Obstacle`] and [`Disc`]: what it must clear, and what must stay clear.
 //!
 //! A question without an answer says why: [`FlightError`]. Every answer carries exact derivatives
-//! where it is asked in [`Dual`](saltus_numeric::Dual) numbers; decisions, such as which feature is
+//! where it is asked in [`Dual`](saltus_numeric::Dual) numbers; decisions, such as which side is
 //! nearest, are made on the values.
 //!
 //! The plane is that of the motion: x forward, y up, SI units. The ground is at y = 0 unless said
@@ -23,20 +21,14 @@ mod drag;
 mod error;
 mod flight;
 mod obstacle;
-mod outline;
 mod path;
 mod polynomial;
 mod sampled;
 mod state;
-mod terrain;
-mod trajectory;
 
-pub use clearance::{Clearance, Disc, ExtendedLeg};
+pub use clearance::{Disc, ExtendedLeg};
 pub use drag::DragFlight;
 pub use error::FlightError;
 pub use flight::Flight;
 pub use obstacle::Obstacle;
-pub use outline::Feature;
 pub use sampled::{FlightSample, SampledFlight};
-pub use terrain::{Landing, Terrain};
-pub use trajectory::Trajectory;

@@ -1,18 +1,47 @@
-//! Obstacles: boxes and simple polygons.
+//! Obstacles: boxes with level and upright sides, and signed distances to them.
+
+use saltus_numeric::{Scalar, Single};
 
 use crate::FlightError;
-use crate::outline::{Corner, Edge, Outline, difference, dot};
+use crate::path::Arc;
+use crate::polynomial::Polynomial;
+use crate::state::State;
 
-/// A solid obstacle with straight sides.
-#[derive(Clone, Debug, PartialEq)]
+/// A solid box.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    pub(crate) outline: Outline,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+/// Part of a box that is nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Feature {
+    /// The side that crosses this axis.
+    Side {
+        axis: usize,
+        /// Where it crosses the axis (m).
+        at: f64,
+        /// 1 if the box is below, −1 if it is above.
+        out: f64,
+    },
+    /// A corner (m).
+    Corner([f64; 2]),
+}
+
+/// A signed distance to a feature and its change along a path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gap<S> {
+    /// Distance (m), negative inside the box.
+    pub(crate) value: S,
+    /// Its derivative in time (m/s).
+    pub(crate) rate: S,
+    /// Its second derivative in time (m/s²).
+    pub(crate) bend: S,
 }
 
 impl Obstacle {
     /// The box from `low` to `high`, its lower left and upper right corners [x, y] (m).
-    ///
-    /// Its vertices are counted from `low` forward and round, so that its top is edge 2.
     ///
     /// # Errors
     /// [`FlightError::EmptyBox`] unless `low` < `high` in both coordinates, finite.
@@ -21,115 +50,100 @@ impl Obstacle {
             .as_flattened()
             .iter()
             .all(|number| number.is_finite());
-        if !(finite && low[0] < high[0] && low[1] < high[1]) {
-            return Err(FlightError::EmptyBox { low, high });
-        }
-        Self::polygon(&[low, [high[0], low[1]], high, [low[0], high[1]]])
-    }
-
-    /// The polygon with these `vertices` [x, y] (m), in either direction; convex or not.
-    ///
-    /// # Errors
-    /// [`FlightError::FewVertices`], [`FlightError::VertexNotFinite`],
-    /// [`FlightError::VertexRepeated`],
-    /// [`FlightError::EdgesCross`]: what keeps it from having an inside.
-    pub fn polygon(vertices: &[[f64; 2]]) -> Result<Self, FlightError> {
-        check_simple(vertices)?;
-        let n = vertices.len();
-        let side = area(vertices).signum();
-        let edges: Vec<_> = (0..n)
-            .map(|i| Edge::between(vertices[i], vertices[(i + 1) % n], side))
-            .collect();
-        let corners = (0..n)
-            .map(|i| Corner::new(vertices[i], &edges[(i + n - 1) % n], &edges[i], side))
-            .collect();
-        Ok(Obstacle {
-            outline: Outline { edges, corners },
-        })
-    }
-
-    /// Forward position (m) of the vertex that is furthest ahead.
-    pub fn back(&self) -> f64 {
-        self.outline
-            .corners
-            .iter()
-            .map(|corner| corner.at[0])
-            .fold(f64::NEG_INFINITY, f64::max)
-    }
-}
-
-/// Area (m²) of a polygon, positive if its vertices go round counterclockwise.
-fn area(vertices: &[[f64; 2]]) -> f64 {
-    // Seen from the first vertex, so that a polygon far away loses no digits.
-    let seen = |i: usize| difference(vertices[i], vertices[0]);
-    (1..vertices.len() - 1)
-        .map(|i| cross(seen(i), seen(i + 1)) / 2.0)
-        .sum()
-}
-
-/// Whether the vertices bound one solid.
-fn check_simple(vertices: &[[f64; 2]]) -> Result<(), FlightError> {
-    let n = vertices.len();
-    if n < 3 {
-        return Err(FlightError::FewVertices { count: n, least: 3 });
-    }
-    if let Some(vertex) = vertices
-        .iter()
-        .position(|v| !v.iter().all(|number| number.is_finite()))
-    {
-        return Err(FlightError::VertexNotFinite {
-            vertex,
-            at: vertices[vertex],
-        });
-    }
-    let edge = |i: usize| [vertices[i], vertices[(i + 1) % n]];
-    if let Some(vertex) = (0..n).find(|&i| edge(i)[0] == edge(i)[1]) {
-        return Err(FlightError::VertexRepeated {
-            vertex,
-            at: vertices[vertex],
-        });
-    }
-    let mut pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-    let cross = pairs.find(|&(i, j)| {
-        let neighbours = j == i + 1 || (i, j) == (0, n - 1);
-        if !neighbours {
-            touch(edge(i), edge(j))
-        } else if j == i + 1 {
-            fold_back(edge(i), edge(j))
+        if finite && low[0] < high[0] && low[1] < high[1] {
+            Ok(Obstacle { low, high })
         } else {
-            fold_back(edge(j), edge(i))
+            Err(FlightError::EmptyBox { low, high })
         }
-    });
-    cross.map_or(Ok(()), |(first, second)| {
-        Err(FlightError::EdgesCross { first, second })
-    })
+    }
+
+    /// Forward position (m) of the side that is furthest ahead.
+    pub fn back(&self) -> f64 {
+        self.high[0]
+    }
+
+    /// Bottom, back, top and front.
+    pub(crate) fn sides(&self) -> [Feature; 4] {
+        let side = |axis: usize, out: f64| Feature::Side {
+            axis,
+            at: if out > 0.0 {
+                self.high[axis]
+            } else {
+                self.low[axis]
+            },
+            out,
+        };
+        [side(1, -1.0), side(0, 1.0), side(1, 1.0), side(0, -1.0)]
+    }
+
+    pub(crate) fn corners(&self) -> [Feature; 4] {
+        let ([left, bottom], [right, top]) = (self.low, self.high);
+        [[left, bottom], [right, bottom], [right, top], [left, top]].map(Feature::Corner)
+    }
+
+    /// The feature nearest to `point` and the signed distance to it (m).
+    pub(crate) fn nearest(&self, point: [f64; 2]) -> (Feature, f64) {
+        // Of the two sides across an axis the nearer one; inside the box both are behind.
+        let across = |axis: usize| {
+            let (before, behind) = (self.low[axis] - point[axis], point[axis] - self.high[axis]);
+            let (at, out, gap) = if before > behind {
+                (self.low[axis], -1.0, before)
+            } else {
+                (self.high[axis], 1.0, behind)
+            };
+            (Feature::Side { axis, at, out }, at, gap)
+        };
+        let [(side, x, ahead), (level, y, above)] = [across(0), across(1)];
+        if ahead > 0.0 && above > 0.0 {
+            (Feature::Corner([x, y]), ahead.hypot(above))
+        } else if ahead > above {
+            (side, ahead)
+        } else {
+            (level, above)
+        }
+    }
 }
 
-/// Whether an edge runs back over the one that it follows.
-fn fold_back(edge: [[f64; 2]; 2], next: [[f64; 2]; 2]) -> bool {
-    let (d, e) = (difference(edge[1], edge[0]), difference(next[1], next[0]));
-    cross(d, e) == 0.0 && dot(d, e) < 0.0
+impl Feature {
+    /// The signed distance at a path's `state`; from a corner it is positive.
+    pub(crate) fn gap<S: Single>(&self, state: &State<S>) -> Gap<S> {
+        match *self {
+            Feature::Side { axis, at, out } => {
+                let out = S::of(out);
+                Gap {
+                    value: (state.position[axis] - S::of(at)) * out,
+                    rate: state.velocity[axis] * out,
+                    bend: state.acceleration[axis] * out,
+                }
+            }
+            Feature::Corner(corner) => {
+                let offset = [0, 1].map(|axis| state.position[axis] - S::of(corner[axis]));
+                let value = product(offset, offset).sqrt();
+                let rate = product(offset, state.velocity) / value;
+                let squared = product(state.velocity, state.velocity);
+                let bend = (squared + product(offset, state.acceleration) - rate * rate) / value;
+                Gap { value, rate, bend }
+            }
+        }
+    }
+
+    /// Over an arc's own time: the signed distance to a side's line, the squared one to a corner.
+    pub(crate) fn distance(&self, arc: &Arc) -> Polynomial {
+        let seen =
+            |axis: usize, from: f64| [arc.x, arc.y][axis] - Polynomial::quadratic(from, 0.0, 0.0);
+        match *self {
+            Feature::Side { axis, at, out } => seen(axis, at).scaled(out),
+            Feature::Corner([x, y]) => {
+                let (x, y) = (seen(0, x), seen(1, y));
+                x * x + y * y
+            }
+        }
+    }
 }
 
-/// Whether two segments have a point in common.
-fn touch([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
-    // On which side of the line through p and q the point r lies: −1, 0 or 1.
-    let side = |p, q, r| {
-        let turn = cross(difference(q, p), difference(r, p));
-        if turn == 0.0 { 0.0 } else { turn.signum() }
-    };
-    let within = |p, q, r| dot(difference(p, r), difference(q, r)) <= 0.0;
-    let (abc, abd, cda, cdb) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
-    (abc * abd < 0.0 && cda * cdb < 0.0)
-        || (abc == 0.0 && within(a, b, c))
-        || (abd == 0.0 && within(a, b, d))
-        || (cda == 0.0 && within(c, d, a))
-        || (cdb == 0.0 && within(c, d, b))
-}
-
-/// The third component of a × b.
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
+/// a · b.
+fn product<S: Scalar>(a: [S; 2], b: [S; 2]) -> S {
+    a[0].mul_add(b[0], a[1] * b[1])
 }
 
 #[cfg(test)]
@@ -137,33 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_polygons_say_why() {
-        let check = |vertices: &[[f64; 2]], expected: &str| {
-            assert_eq!(
-                Obstacle::polygon(vertices).unwrap_err().to_string(),
-                expected
-            );
-        };
-        check(
-            &[[0.0, 0.0], [1.0, 0.0]],
-            "2 vertices where at least 3 are needed",
-        );
-        check(
-            &[[0.0, 0.0], [1.0, f64::NAN], [1.0, 1.0]],
-            "vertex 1 at (1, NaN) m is not at a finite place",
-        );
-        check(
-            &[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]],
-            "vertex 1 at (1, 0) m is there twice in a row",
-        );
-        check(
-            &[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
-            "edges 0 and 2 meet elsewhere than at a common end",
-        );
-        check(
-            &[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0]],
-            "edges 0 and 1 meet elsewhere than at a common end",
-        );
+    fn a_box_without_an_inside_is_refused() {
         assert_eq!(
             Obstacle::block([0.0, 0.0], [1.0, 0.0])
                 .unwrap_err()
@@ -173,37 +161,18 @@ mod tests {
     }
 
     #[test]
-    fn signed_distances_are_the_same_in_both_directions() {
-        let check = |vertices: &[[f64; 2]], point: [f64; 2], expected: f64| {
-            let reversed: Vec<_> = vertices.iter().rev().copied().collect();
-            for vertices in [vertices, &reversed] {
-                let gap = Obstacle::polygon(vertices)
-                    .unwrap()
-                    .outline
-                    .nearest(point)
-                    .1;
-                assert!(
-                    (gap - expected).abs() < 1e-15,
-                    "{gap} instead of {expected}"
-                );
-            }
+    fn signed_distances() {
+        let square = Obstacle::block([0.0, 0.0], [2.0, 2.0]).unwrap();
+        let check = |point: [f64; 2], expected: f64| {
+            let gap = square.nearest(point).1;
+            assert!((gap - expected).abs() < 1e-15, "{gap}, not {expected}");
         };
-        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
-        check(&square, [5.0, 6.0], 5.0);
-        check(&square, [1.0, 3.0], 1.0);
-        check(&square, [1.0, 1.5], -0.5);
-        check(&square, [2.0, 2.0], 0.0);
-        // An L: inside, its reflex corner at (1, 1) is the nearest from the opposite corner on.
-        let l = [
-            [0.0, 0.0],
-            [2.0, 0.0],
-            [2.0, 1.0],
-            [1.0, 1.0],
-            [1.0, 2.0],
-            [0.0, 2.0],
-        ];
-        check(&l, [1.5, 1.25], 0.25);
-        check(&l, [0.9, 0.9], -0.1 * 2.0_f64.sqrt());
-        check(&l, [0.25, 0.5], -0.25);
+        check([5.0, 6.0], 5.0);
+        check([-3.0, -4.0], 5.0);
+        check([1.0, 3.0], 1.0);
+        check([-0.5, 1.0], 0.5);
+        check([1.0, 1.5], -0.5);
+        check([0.25, 1.0], -0.25);
+        check([2.0, 2.0], 0.0);
     }
 }

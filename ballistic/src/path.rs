@@ -1,9 +1,8 @@
-//! What clearance and landing need to know of a path, with drag or without.
+//! What clearance needs to know of a path, with drag or without.
 
 use saltus_numeric::Single;
 
 use crate::Flight;
-use crate::outline::{Corner, Edge};
 use crate::polynomial::Polynomial;
 use crate::state::State;
 
@@ -40,26 +39,6 @@ impl Arc {
         let roots = polynomial.roots(from, to);
         let start = self.start;
         (0..roots.as_slice().len()).map(move |i| start + roots.as_slice()[i])
-    }
-
-    /// Signed distance to the line through an edge.
-    pub(crate) fn distance(&self, edge: &Edge) -> Polynomial {
-        let [x, y] = self.offset(edge.origin);
-        x.scaled(edge.normal[0]) + y.scaled(edge.normal[1])
-    }
-
-    /// Squared distance to a corner.
-    pub(crate) fn squared_distance(&self, corner: &Corner) -> Polynomial {
-        let [x, y] = self.offset(corner.at);
-        x * x + y * y
-    }
-
-    /// Position seen from `origin`.
-    fn offset(&self, origin: [f64; 2]) -> [Polynomial; 2] {
-        [
-            self.x - Polynomial::constant(origin[0]),
-            self.y - Polynomial::constant(origin[1]),
-        ]
     }
 }
 

@@ -39,10 +39,6 @@ impl Polynomial {
         Polynomial([c0, c1, c2, 0.0, 0.0])
     }
 
-    pub(crate) fn constant(c0: f64) -> Self {
-        Self::quadratic(c0, 0.0, 0.0)
-    }
-
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Polynomial(self.0.map(|c| c * factor))
     }

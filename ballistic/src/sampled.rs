@@ -6,7 +6,7 @@ use crate::clearance::{check_span, clearance};
 use crate::path::{Arc, Path, settle};
 use crate::polynomial::{Polynomial, root_between};
 use crate::state::State;
-use crate::{Clearance, Disc, Flight, FlightError, Obstacle};
+use crate::{Disc, Flight, FlightError, Obstacle};
 
 /// The wheel's centre at one time of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,7 +142,15 @@ impl<S: Single> SampledFlight<S> {
         }
     }
 
-    /// Least clearance of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as
+    /// Forward position (m) at which the wheel's centre comes down to `height` (m).
+    ///
+    /// # Errors
+    /// As [`time_to_height`](SampledFlight::time_to_height).
+    pub fn range_to_height(&self, height: S) -> Result<S, FlightError> {
+        Ok(self.position(self.time_to_height(height)?)[0])
+    }
+
+    /// Least clearance (m) of `disc` over `obstacle` from time `from` to `to` (s) after lift-off, as
     /// [`Flight::clearance`].
     ///
     /// # Errors
@@ -153,7 +161,7 @@ impl<S: Single> SampledFlight<S> {
         obstacle: &Obstacle,
         from: S,
         to: S,
-    ) -> Result<Clearance<S>, FlightError> {
+    ) -> Result<S, FlightError> {
         check_span(from, to)?;
         Ok(clearance(self, disc, obstacle, [from, to]))
     }
@@ -304,8 +312,8 @@ mod tests {
             let (t, exact) = (other.time_to_height(height).unwrap(), flight.time_to_height(height).unwrap());
             prop_assert!(close(t, exact, 1e-7), "{t} and {exact}");
             let wall = Obstacle::block([flight.x + 0.4 * flight.vx * end, floor - 1.0], [flight.x + 0.4 * flight.vx * end + 0.5, flight.y]).unwrap();
-            let gap = other.clearance(&Disc::wheel(0.2), &wall, 0.0, exact).unwrap().distance;
-            let wanted = flight.clearance(&Disc::wheel(0.2), &wall, 0.0, exact).unwrap().distance;
+            let gap = other.clearance(&Disc::wheel(0.2), &wall, 0.0, exact).unwrap();
+            let wanted = flight.clearance(&Disc::wheel(0.2), &wall, 0.0, exact).unwrap();
             prop_assert!((gap - wanted).abs() < 1e-8 * size, "{gap} and {wanted}");
             let near = other.parabola();
             if flight.vy > 1e-3 {

@@ -1,6 +1,6 @@
 //! One jump, from the approach to the landing: stance and flight together.
 
-use saltus_ballistic::{DragFlight, FlightError, Trajectory};
+use saltus_ballistic::{DragFlight, FlightError};
 use saltus_lagrangian::{Launch, LiftOff};
 use saltus_numeric::{Dual, Single};
 
@@ -41,7 +41,7 @@ impl<S: Single> Jump<S> {
     /// As [`distance`](Self::distance), with the reason where there is none.
     ///
     /// # Errors
-    /// As [`Trajectory::range_to_height`]; none where there is no flight.
+    /// As [`JumpFlight::range_to_height`]; none where there is no flight.
     pub fn landing(&self, height: f64) -> Option<Result<S, FlightError>> {
         let flight = self.flight.as_ref()?;
         Some(flight.range_to_height(S::of(height)))

@@ -8,7 +8,6 @@ mod jump;
 mod law;
 mod map;
 mod model;
-pub mod parkour;
 mod planar;
 mod planner;
 mod proxy;

@@ -11,8 +11,8 @@ use crate::jump::Jump;
 /// Anything that turns a launch into a lift-off, and a lift-off into a flight: the planar model, or
 /// a multi-body simulation. A [`Planner`](crate::Planner) of it has tables, laws, maps and plans.
 ///
-/// A robot that chooses its lift-off freely, such as the hopper of [`parkour`](crate::parkour), has
-/// no launch to choose; it is a [`Jumper`](crate::course::Jumper) at once.
+/// A robot that chooses its lift-off freely has no launch to choose; it is a
+/// [`Jumper`](crate::course::Jumper) at once.
 pub trait JumpModel: Sync {
     /// The robot that jumps.
     fn robot(&self) -> &Robot;

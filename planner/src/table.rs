@@ -1,7 +1,7 @@
 //! Firing tables: the firing angles that reach a distance, or clear an obstacle, over approach
 //! rates.
 
-use saltus_ballistic::{Disc, Obstacle, Trajectory};
+use saltus_ballistic::{Disc, Obstacle};
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::{self, in_chunks};
 use saltus_numeric::refused;
@@ -190,7 +190,7 @@ impl Measure {
                     .clearance(&Disc::wheel(radius), obstacle, 0.0, landing)
                     .ok()?;
                 let beyond = flight.range_to_height(radius).ok()? - obstacle.back();
-                Some(clearance.distance.min(beyond))
+                Some(clearance.min(beyond))
             }
         };
         value.filter(|v| v.is_finite())

@@ -1,7 +1,7 @@
 """How many robots, as they come from the workshop, keep a plan that was made for the drawing.
 
     python drawn_robots.py box.toml --processes 2
-    python drawn_robots.py box.toml --plant rats-boom --count 1000 --dask tcp://scheduler:8786
+    python drawn_robots.py box.toml --plant rats-boom --count 1000 --processes 8
 
 Each robot has the masses, sizes and losses of the plant, off by a normal error with the tolerance below. It jumps the
 plan once, in the multi-body simulation, with the errors of its [errors]. The same seed gives the same robots, wherever
@@ -14,10 +14,11 @@ import argparse
 import functools
 import hashlib
 import math
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import NamedTuple
 
 import numpy as np
-from common import add_flags, client
 
 import saltus
 
@@ -82,11 +83,12 @@ def main() -> None:
     parser.add_argument("--plant", default="rats-planar", help="robot that is built [default: rats-planar]")
     parser.add_argument("--count", type=int, default=100_000, help="robots [default: 100000]")
     parser.add_argument("--seed", type=int, default=1, help="of all draws [default: 1]")
-    add_flags(parser)
+    parser.add_argument("--processes", type=int, default=1)
     given = parser.parse_args()
     job = functools.partial(fly, given.course, saltus.Robot(given.plant))
-    with client(given) as where:
-        print(report(saltus.sweep([job] * given.count, where, seed=given.seed)))
+    seeds = np.random.SeedSequence(given.seed).generate_state(given.count).tolist()
+    with ProcessPoolExecutor(given.processes, mp_context=get_context("spawn")) as pool:
+        print(report(list(pool.map(job, seeds, chunksize=16))))
 
 
 if __name__ == "__main__":

@@ -10,11 +10,11 @@ Matplotlib.
 from __future__ import annotations
 
 import argparse
-import functools
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import NamedTuple
 
 import numpy as np
-from common import add_flags, client
 
 import saltus
 
@@ -57,12 +57,13 @@ def main() -> None:
     parser.add_argument("--cells", type=int, default=9, help="pressures, and frictions [default: 9]")
     parser.add_argument("--samples", type=int, default=20, help="jumps for each rate in a cell [default: 20]")
     parser.add_argument("--seed", type=int, default=1)
-    add_flags(parser)
+    parser.add_argument("--processes", type=int, default=1)
     given = parser.parse_args()
     psi, friction = np.linspace(80, 140, given.cells), np.linspace(0.3, 1.0, given.cells)
-    jobs = [functools.partial(cell, p, mu, given.samples) for mu in friction.tolist() for p in psi.tolist()]
-    with client(given) as where:
-        cells = saltus.sweep(jobs, where, seed=given.seed)
+    places = [(p, mu) for mu in friction.tolist() for p in psi.tolist()]
+    seeds = np.random.SeedSequence(given.seed).generate_state(len(places)).tolist()
+    with ProcessPoolExecutor(given.processes, mp_context=get_context("spawn")) as pool:
+        cells = list(pool.map(cell, *zip(*places), [given.samples] * len(places), seeds))
 
     from matplotlib.figure import Figure
 

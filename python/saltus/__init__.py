@@ -11,8 +11,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
 from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
-from .verbs import diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, parkour, plan, power, run, simulate, table, verify
-from .sweeps import sweep
+from .verbs import diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, plan, power, run, simulate, table, verify
 
 __all__ = [
     "OUTCOMES",
@@ -35,12 +34,20 @@ __all__ = [
     "law",
     "learn",
     "map",
-    "parkour",
     "plan",
     "power",
     "run",
     "simulate",
-    "sweep",
     "table",
     "verify",
 ]
+
+_GONE = {
+    "parkour": "a study of the repository: cd studies && cargo run --release --bin parkour",
+    "plot": "draw the rows of an answer by Matplotlib",
+    "sweep": "map functools.partial(saltus.verify, …, seed=…) over concurrent.futures or a client of Dask",
+}
+
+
+def __getattr__(name: str) -> object:
+    raise AttributeError(f"saltus.{name} is gone: {_GONE[name]}" if name in _GONE else f"saltus has no {name}")

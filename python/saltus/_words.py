@@ -25,7 +25,7 @@ REPEATED = {"set", "plant_set", "disturb", "reward", "state", "known", "effect",
 """Arguments whose flag stands once for each item."""
 ROBOTS = {"robot", "plant", "believed"}
 """Arguments that may be a robot."""
-OTHER = {"courses": "course", "language": "as", "effects": "inject", "plan_file": "power", "lambda_": "lambda"}
+OTHER = {"effects": "inject", "plan_file": "power", "lambda_": "lambda"}
 """Arguments that are not called like their flag."""
 
 Place = str | os.PathLike[str] | Mapping[str, Any]

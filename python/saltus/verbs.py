@@ -32,7 +32,6 @@ __all__ = [
     "law",
     "learn",
     "map",
-    "parkour",
     "plan",
     "power",
     "run",
@@ -404,19 +403,6 @@ def fit(
         return ask("fit", folders, arguments)
 
 
-def parkour(
-    instances: PathLike,
-    *,
-    courses: Sequence[str] = (),
-    robot: str | None = None,
-    set: Overrides = (),
-    plot: PathLike | None = None,
-) -> Answer:
-    """Plans of a one-leg hopper over the courses of a JSON file."""
-    arguments = locals()
-    return ask("parkour", (instances,), {name: value for name, value in arguments.items() if name != "instances"})
-
-
 def export(
     what: str,
     *,
@@ -471,11 +457,9 @@ def export_policy(
     policy: PathLike,
     *,
     out: PathLike,
-    language: str | None = None,
     policy_seed: int | None = None,
     real: str | None = None,
-    name: str | None = None,
 ) -> str:
-    """What was learnt, for a controller: `language` is "c" or "rust". Gives what heads the files in the folder `out`."""
+    """What was learnt, for a controller, in C. Gives what heads the files in the folder `out`."""
     arguments = {name: value for name, value in locals().items() if name != "policy"}
     return words_of("export policy", (policy,), arguments, ())[1]

@@ -56,8 +56,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: saltus.diagnose("no-such-folder"), "no-such-folder"),
     (lambda: saltus.inject({"gremlins": 1}, out="/nonexistent/place"), "gremlins"),
     (lambda: saltus.export("stl"), "what = 'stl': c, rust, mjcf or urdf"),
-    (lambda: saltus.sweep([3]), r"jobs\[0\] = 3"),  # type: ignore[list-item]
-    (lambda: saltus.sweep([], client=3), "client = 3"),
 ]
 
 
@@ -100,7 +98,6 @@ def draw(seed: random.Random) -> object:
         lambda: saltus._saltus.flight(saltus.Robot("rats-planar"), saltus.jump("rats-planar", 5.0, -0.1), seed.choice([0, 1, 5]), thing()),
         lambda: saltus._saltus.to_toml(thing()),
         lambda: saltus.Jump._of(thing(), thing()),  # type: ignore[attr-defined]
-        lambda: saltus.sweep(thing(), thing(), seed=thing()),
     ]
     slow: list[Callable[[], object]] = [
         lambda: saltus.table(omega_rad_s=thing(), distance_m=thing(), set=thing(), threads=1),

@@ -15,7 +15,6 @@ from conftest import BOX, ROOT, Command
 import saltus
 from saltus._words import flag_of
 
-PARKOUR = ROOT / "tests" / "reference" / "parkour-hopper" / "instances.json"
 
 CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
     "simulate": (
@@ -69,7 +68,6 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.learn("run-zone", episodes=2, seeds=1, tilings=4, state={"wheel_rate": (-5, 20, 8)}),
         "learn run-zone --episodes 2 --seeds 1 --tilings 4 --state wheel_rate=-5:20:8".split(),
     ),
-    "parkour": (lambda: saltus.parkour(PARKOUR, courses=["static-00"]), ["parkour", str(PARKOUR), "--course", "static-00"]),
 }
 
 
@@ -116,9 +114,9 @@ def test_what_was_learnt_runs_and_is_exported(command: Command, tmp_path: Path) 
     policy.write_text(saltus.learn("run-zone", episodes=6, seeds=2).json)
     answer = saltus.run(policy=policy, seconds=1, policy_seed=2)
     assert answer.json == command("run", "--policy", str(policy), *"--seconds 1 --policy-seed 2 --format json".split()).out
-    about = saltus.export_policy(policy, out=tmp_path / "python", language="rust", name="ZONE")
-    assert command("export", "policy", str(policy), *"--as rust --name ZONE --out".split(), tmp_path / "shell").out == about
-    assert (tmp_path / "python" / "policy.rs").read_bytes() == (tmp_path / "shell" / "policy.rs").read_bytes()
+    about = saltus.export_policy(policy, out=tmp_path / "python")
+    assert command("export", "policy", str(policy), "--out", tmp_path / "shell").out == about
+    assert (tmp_path / "python" / "saltus_policy.h").read_bytes() == (tmp_path / "shell" / "saltus_policy.h").read_bytes()
 
 
 @pytest.mark.parametrize("what", ["mjcf", "urdf"])
@@ -178,7 +176,6 @@ FUNCTIONS: dict[str, list[Any]] = {
     "learn": [saltus.learn],
     "diagnose": [saltus.diagnose],
     "fit": [saltus.fit],
-    "parkour": [saltus.parkour],
     "export c": [saltus.export],
     "export rust": [saltus.export],
     "export policy": [saltus.export_policy],

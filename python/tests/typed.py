@@ -24,8 +24,7 @@ def main() -> None:
     answer = saltus.table(omega_rad_s=np.linspace(3, 6, 4), distance_m=[0.6, 0.7], robot=robot)
     print(answer.yes, answer.rows["alpha_f_rad"])
     jobs = [functools.partial(saltus.verify, law=(-0.12, 0.38), omega_rad_s=rate, distance_m=0.6, samples=5) for rate in (4.0, 5.0)]
-    passed: list[saltus.Answer] = saltus.sweep(jobs, seed=1)
-    print([it.yes for it in passed])
+    print([job().yes for job in jobs])
     try:
         saltus.plan({"approach_rate_rad_s": -5.0})
     except saltus.SaltusError as error:

@@ -1,4 +1,4 @@
-//! A TOML or JSON document as a tree that remembers where each value was written, and overrides
+//! A TOML document as a tree that remembers where each value was written, and overrides
 //! applied to it.
 
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ pub(crate) enum Value {
     Number(String),
     Array(Vec<Node>),
     Table(Table),
-    /// A boolean, a date or null, which no key takes.
+    /// A boolean or a date, which no key takes.
     Other,
 }
 
@@ -48,49 +48,6 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Node, RobotError> {
         place: lines.whole_file(),
         ..root
     })
-}
-
-/// The same of the JSON `text`; messages tell the key, not the line.
-pub(crate) fn parse_json(text: &str, file: &str) -> Result<Node, RobotError> {
-    let place = Lines::new("", file).whole_file();
-    match serde_json::from_str(text) {
-        Ok(value) => Ok(json_node(value, &place)),
-        Err(error) => Err(RobotError::NotJson {
-            place,
-            reason: error.to_string(),
-        }),
-    }
-}
-
-fn json_node(value: serde_json::Value, place: &Place) -> Node {
-    use serde_json::Value as Json;
-    let source = match &value {
-        Json::Array(items) if !items.is_empty() => "[…]".into(),
-        Json::Object(entries) if !entries.is_empty() => "{…}".into(),
-        plain => cut(&plain.to_string()),
-    };
-    let value = match value {
-        Json::Null | Json::Bool(_) => Value::Other,
-        Json::Number(number) => Value::Number(number.to_string()),
-        Json::String(text) => Value::Text(text),
-        Json::Array(items) => Value::Array(
-            items
-                .into_iter()
-                .map(|item| json_node(item, place))
-                .collect(),
-        ),
-        Json::Object(entries) => Value::Table(
-            entries
-                .into_iter()
-                .map(|(key, value)| (key, json_node(value, place)))
-                .collect(),
-        ),
-    };
-    Node {
-        place: place.clone(),
-        source,
-        value,
-    }
 }
 
 /// Sets in `document` what the `index`-th override `text`, `KEY=VALUE`, says. A value that is not

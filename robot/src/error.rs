@@ -104,14 +104,6 @@ pub enum RobotError {
         /// What it says.
         reason: String,
     },
-    /// Not JSON at all.
-    #[error("{place}: not JSON: {reason}")]
-    NotJson {
-        /// The file.
-        place: Place,
-        /// What the parser says, and where.
-        reason: String,
-    },
     /// An override that is not a dotted key, `=` and a value.
     #[error("--set {text}: must be KEY=VALUE with a dotted key, as in leg.stroke_m=0.05")]
     NotAnOverride {

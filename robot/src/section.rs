@@ -1,5 +1,5 @@
-//! Reading one table of a TOML or JSON file key by key: typed, checked, in any of a quantity's units, with
-//! no key left over.
+//! Reading one table of a TOML file key by key: typed, checked, in any of a quantity's units, with no
+//! key left over.
 //!
 //! ```
 //! use saltus_robot::domain::Domain;
@@ -45,14 +45,6 @@ impl Section {
     /// [`RobotError::NotToml`].
     pub fn file(text: &str, file: &str) -> Result<Section, RobotError> {
         Section::new(String::new(), document::parse(text, file)?)
-    }
-
-    /// The same of a JSON text.
-    ///
-    /// # Errors
-    /// [`RobotError::NotJson`].
-    pub fn json(text: &str, file: &str) -> Result<Section, RobotError> {
-        Section::new(String::new(), document::parse_json(text, file)?)
     }
 
     /// Its dotted key.

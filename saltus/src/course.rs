@@ -18,7 +18,7 @@ const MOST: usize = 64;
 /// Places (m) that the planner takes.
 pub const ANYWHERE: Span = Span::new(-1e4, 1e4);
 
-pub(crate) const PLACE: Domain = Domain::at_least(ANYWHERE.low).up_to(ANYWHERE.high);
+const PLACE: Domain = Domain::at_least(ANYWHERE.low).up_to(ANYWHERE.high);
 const SIZE: Domain = Domain::NON_NEGATIVE.up_to(1e3);
 const EXTENT: Domain = Domain::POSITIVE.up_to(1e3);
 const LEAN: Domain = Domain::above(-FRAC_PI_2).below(FRAC_PI_2);

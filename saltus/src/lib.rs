@@ -39,7 +39,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod chart;
-pub mod closed_loop;
 pub mod course;
 pub mod experiment;
 pub mod export;
@@ -50,7 +49,6 @@ pub mod input;
 pub mod learning;
 pub mod on_plant;
 pub mod origin;
-pub mod parkour;
 pub mod power;
 #[cfg(feature = "telemetry")]
 pub mod recording;
@@ -75,7 +73,7 @@ pub use saltus_sim_check as sim_check;
 #[cfg(feature = "telemetry")]
 pub use saltus_telemetry as telemetry;
 
-pub use saltus_ballistic::{DragFlight, Flight, FlightError, Trajectory};
+pub use saltus_ballistic::{DragFlight, Flight, FlightError};
 pub use saltus_lagrangian::{Launch, LiftOff, Outcome, Stance, StanceError, Trace};
 pub use saltus_planner::{Jump, Planner};
 pub use saltus_robot::{Robot, RobotError, resolve};

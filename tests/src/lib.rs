@@ -7,6 +7,7 @@ pub mod controlled;
 pub mod known;
 pub mod lab;
 pub mod oracle;
+pub mod parkour;
 pub mod reference;
 pub mod robots;
 pub mod verdict;

@@ -1,6 +1,6 @@
 //! What two models make of one launch, as numbers that change smoothly with the launch.
 
-use saltus_ballistic::{FlightSample, SampledFlight, Trajectory};
+use saltus_ballistic::{FlightSample, SampledFlight};
 use saltus_lagrangian::LiftOff;
 use saltus_numeric::Single;
 

@@ -1,9 +1,8 @@
-//! The hopper on small courses, and what happens where there is no plan.
+//! Bad courses, and a robot that cannot aim. The hopper of the tests across crates has the others.
 
 use saltus_numeric::{Scalar, Single};
 
 use super::*;
-use crate::parkour::Hopper;
 
 fn course(jumps: usize, goal: f64) -> Course {
     let (obstacles, no_landing) = (Vec::new(), Vec::new());
@@ -18,93 +17,10 @@ fn course(jumps: usize, goal: f64) -> Course {
     }
 }
 
-fn answer(course: &Course) -> Answer {
-    plan(&Hopper::default(), course, &Settings::default()).expect("a good course")
-}
-
-fn relief(course: &Course) -> Relief {
-    match answer(course) {
-        Answer::Infeasible(relief) => relief,
-        other => panic!("{other:?}"),
-    }
-}
-
-#[test]
-fn a_goal_too_far_moves_back_to_the_longest_jumps() {
-    let relief = relief(&course(2, 2.0));
-    let [give] = relief.gives[..] else {
-        panic!("{relief:?}")
-    };
-    assert_eq!((give.limit, give.jump), (Limit::Goal, 1));
-    // 1e-6: what the gives are rounded to, with room.
-    let near = Course {
-        goal: Span::point(2.0 + give.amount - 1e-6),
-        ..course(2, 2.0)
-    };
-    assert!(matches!(answer(&near), Answer::Plan(_)), "{give:?}");
-    let short = Course {
-        goal: Span::point(2.0 + give.amount + 1e-4),
-        ..course(2, 2.0)
-    };
-    assert!(matches!(answer(&short), Answer::Infeasible(_)));
-}
-
-#[test]
-fn a_box_too_high_has_to_sink() {
-    let tall = |height| Course {
-        obstacles: vec![Obstacle {
-            center: 0.4,
-            width: 0.1,
-            height,
-        }],
-        ..course(1, 0.75)
-    };
-    let relief = relief(&tall(0.4));
-    assert!(
-        relief
-            .gives
-            .iter()
-            .all(|g| matches!(g.limit, Limit::Edge { obstacle: 0, .. } | Limit::Goal)),
-        "{relief:?}"
-    );
-    assert!(relief.total > 0.01 && relief.total < 0.4, "{relief:?}");
-    assert!(matches!(answer(&tall(0.05)), Answer::Plan(_)));
-}
-
-#[test]
-fn a_goal_where_nothing_may_land_moves_out_of_there() {
-    let blocked = Course {
-        no_landing: vec![Span::new(0.6, 0.75)],
-        ..course(1, 0.7)
-    };
-    let relief = relief(&blocked);
-    let [give] = relief.gives[..] else {
-        panic!("{relief:?}")
-    };
-    // To the end of the area, to what the gives are rounded to.
-    assert!(
-        give.limit == Limit::Goal && (give.amount - 0.05).abs() < 1e-6,
-        "{give:?}"
-    );
-}
-
-#[test]
-fn a_zone_is_reached_where_it_costs_least() {
-    let zone = Course {
-        goal: Span::new(0.5, 0.7),
-        ..course(1, 0.0)
-    };
-    let Answer::Plan(plan) = answer(&zone) else {
-        panic!()
-    };
-    // A flat jump takes longer the further it goes; 1e-9 is the solver's.
-    assert!((plan.jumps[0].landing - 0.5).abs() < 1e-9, "{plan:?}");
-}
-
 #[test]
 fn bad_values_are_named() {
     let check = |course: Course, key: &str| {
-        let error = plan(&Hopper::default(), &course, &Settings::default())
+        let error = plan(&Thrower { target: 1.0 }, &course, &Settings::default())
             .expect_err(key)
             .to_string();
         assert!(
@@ -169,20 +85,6 @@ fn bad_values_are_named() {
         },
         "no_landing 1.width_m = 0",
     );
-}
-
-#[test]
-fn the_same_course_gives_the_same_plan() {
-    let boxes = vec![Obstacle {
-        center: 0.9,
-        width: 0.2,
-        height: 0.1,
-    }];
-    let course = Course {
-        obstacles: boxes,
-        ..course(3, 1.9)
-    };
-    assert_eq!(answer(&course), answer(&course));
 }
 
 /// A thrower from the ground: decides speed and angle, and cannot aim; wants a speed near 3 m/s and

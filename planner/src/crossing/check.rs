@@ -1,11 +1,12 @@
 //! A plan flown in full, and held against every limit.
 
-use saltus_ballistic::{Disc, ExtendedLeg, Obstacle as Solid, Trajectory};
+use saltus_ballistic::{Disc, ExtendedLeg, Obstacle as Solid};
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::Single;
 
 use super::{Crossing, CrossingPlan, PlannedJump};
 use crate::course::{self, Obstacle, Span};
+use crate::flight::JumpFlight;
 use crate::jump::Sensitivity;
 use crate::model::{JumpModel, Traced};
 use crate::planner::Planner;
@@ -232,7 +233,7 @@ pub(super) fn box_distance([x, y]: [f64; 2], span: Span, top: f64) -> f64 {
 /// Least clearance (m) of the wheel, and of its leg while that is out, from lift-off until the
 /// centre is down at `height`.
 pub(super) fn clearance<S: Single>(
-    flight: &impl Trajectory<S>,
+    flight: &JumpFlight<S>,
     crossing: &Crossing,
     radius: f64,
     reach: S,
@@ -248,8 +249,5 @@ pub(super) fn clearance<S: Single>(
         radius: S::of(radius),
         leg,
     };
-    flight
-        .clearance(&disc, solid, S::of(0.0), landing)
-        .ok()
-        .map(|c| c.distance)
+    flight.clearance(&disc, solid, S::of(0.0), landing).ok()
 }

@@ -9,7 +9,7 @@
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-use saltus_ballistic::{Flight, Trajectory};
+use saltus_ballistic::Flight;
 use saltus_lagrangian::Launch;
 
 use super::Crossing;

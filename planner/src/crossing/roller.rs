@@ -3,7 +3,7 @@
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-use saltus_ballistic::{Obstacle as Solid, Trajectory};
+use saltus_ballistic::Obstacle as Solid;
 use saltus_lagrangian::Launch;
 use saltus_numeric::{Dual, Scalar};
 
@@ -100,7 +100,7 @@ impl<'a> Roller<'a> {
     /// By how much (m) the wheel's rim is too low where its centre is over `x` (m from the
     /// foothold): a cheap stand-in for the clearance, for starting points.
     fn shortfall(&self, leap: &Leap, x: f64, top: f64, jump: &Jump) -> f64 {
-        let Some(flight) = jump.flight.as_ref().map(Trajectory::parabola) else {
+        let Some(flight) = jump.flight.as_ref().map(JumpFlight::parabola) else {
             return 1.0;
         };
         let [_, y] = flight.position(((x - flight.x) / flight.vx).max(0.0));

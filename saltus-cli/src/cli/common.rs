@@ -340,11 +340,6 @@ impl OutputFlags {
         self.format.or_else(by_name).unwrap_or(Format::Text)
     }
 
-    /// The format, where a flag asks for one.
-    pub(crate) fn asked(&self) -> Option<Format> {
-        self.format
-    }
-
     /// Where the answer goes, if not to standard output.
     pub(crate) fn out(&self) -> Option<&Path> {
         self.out.as_deref()

@@ -15,7 +15,6 @@ mod learned;
 mod limits;
 mod map;
 mod moved;
-mod parkour;
 mod plan;
 mod proof;
 mod recorded;
@@ -68,7 +67,6 @@ Examples:
   saltus learn run-zone --out policy.json --plot curve.svg
   saltus diagnose logs/monday --report monday.html
   saltus fit bench/monday --robot-out fitted.toml
-  saltus parkour instances.json --out plans.json
   saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export mjcf --robot rats-boom --out rats-boom.xml
   saltus export urdf --robot rats-boom --out rats-boom.urdf
@@ -90,7 +88,6 @@ enum Command {
     Learn(learn::Learn),
     Diagnose(diagnose::Diagnose),
     Fit(fit::Fit),
-    Parkour(parkour::Parkour),
     Export(export::Export),
     Completions(completions::Completions),
 }
@@ -148,7 +145,6 @@ impl Command {
             Command::Learn(command) => command.run(),
             Command::Diagnose(command) => command.run(),
             Command::Fit(command) => command.run(),
-            Command::Parkour(command) => command.run(),
             Command::Export(command) => command.run(),
             Command::Completions(command) => command.run(),
         }

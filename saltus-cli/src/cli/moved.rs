@@ -54,11 +54,27 @@ const MOVED: &[Moved] = &[
     to_study("learn", "--algorithm hill-climbing", "hill_climbing 30 500"),
     to_study("learn", "--tilings", "seen_states 30 500"),
     to_study("learn", "--replacing", "seen_states 30 500"),
+    to_study("parkour", "", "parkour INSTANCES.json"),
+    gone(
+        "export",
+        "--as",
+        "saltus export policy writes C99, which a program in Rust links",
+    ),
 ];
 
 /// What is a study now.
 const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
     let place = Place::Study(study);
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
+
+/// What nothing does.
+const fn gone(command: &'static str, words: &'static str, instead: &'static str) -> Moved {
+    let place = Place::Gone(instead);
     Moved {
         command,
         words,

@@ -11,18 +11,6 @@ use crate::error::CliError;
 use crate::output::reachable;
 use crate::session;
 
-/// Flags with a value that do not change what is computed.
-const WITHOUT_EFFECT: [&str; 8] = [
-    "--mcap",
-    "--out",
-    "-o",
-    "--plot",
-    "--animate",
-    "--telemetry",
-    "--threads",
-    "--format",
-];
-
 /// A file beside the report: the flag that names it, its path and its contents.
 pub(crate) type Beside<'a> = (&'static str, &'a Path, Vec<u8>);
 
@@ -80,25 +68,10 @@ pub(crate) fn unrecorded(path: &Path, error: Error) -> CliError {
     }
 }
 
-/// What was asked for, without the flags that have no effect on the answer.
+/// The command line.
 pub(crate) fn command() -> String {
-    let words = session::with(|session| session.words.clone());
-    format!("saltus {}", effective(&words).join(" "))
-}
-
-fn effective(words: &[String]) -> Vec<&str> {
-    let mut kept = Vec::new();
-    let mut words = words.iter().map(String::as_str).peekable();
-    while let Some(word) = words.next() {
-        let flag = word.split_once('=').map_or(word, |(flag, _)| flag);
-        if !WITHOUT_EFFECT.contains(&flag) {
-            kept.push(word);
-        } else if flag == word {
-            // Beside --inject, --mcap has no value.
-            words.next_if(|value| word != "--mcap" || file(value).is_ok());
-        }
-    }
-    kept
+    let words = session::with(|session| session.words.join(" "));
+    format!("saltus {words}")
 }
 
 /// Parser of a flag.
@@ -111,19 +84,5 @@ fn file(text: &str) -> Result<PathBuf, String> {
         Ok(path)
     } else {
         Err("the name must end in .mcap".into())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_command_is_told_without_its_files() {
-        let words = ["run", "--mcap", "a.mcap", "--seed", "2", "--plot=a.svg"];
-        let words = words.map(str::to_owned);
-        assert_eq!(effective(&words), ["run", "--seed", "2"]);
-        let words = ["diagnose", "--mcap", "--inject", "none"].map(str::to_owned);
-        assert_eq!(effective(&words), ["diagnose", "--inject", "none"]);
     }
 }

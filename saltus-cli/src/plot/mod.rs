@@ -5,7 +5,6 @@ mod contour;
 pub(crate) mod curves;
 pub(crate) mod flown;
 pub(crate) mod ground;
-pub(crate) mod hops;
 pub(crate) mod law;
 pub(crate) mod line;
 pub(crate) mod map;
@@ -38,8 +37,6 @@ pub(crate) enum Drawing {
     Map(map::MapPlot),
     /// A plan on its course.
     Scene(scene::Scene),
-    /// Plans of the hopper.
-    Hops(hops::Hops),
     /// Several charts.
     Sheet(sheet::Sheet),
 }
@@ -144,7 +141,6 @@ impl Drawing {
             Drawing::Law(_) => law::LawPlot::SIZE,
             Drawing::Map(drawing) => drawing.size(),
             Drawing::Scene(drawing) => drawing.size(),
-            Drawing::Hops(drawing) => drawing.size(),
             Drawing::Sheet(drawing) => drawing.size(),
         }
     }
@@ -157,7 +153,6 @@ impl Drawing {
             Drawing::Law(drawing) => drawing.draw(area, pen)?,
             Drawing::Map(drawing) => drawing.draw(area, pen)?,
             Drawing::Scene(drawing) => drawing.draw(area, pen)?,
-            Drawing::Hops(drawing) => drawing.draw(area, pen)?,
             Drawing::Sheet(drawing) => drawing.draw(area, pen)?,
         }
         area.present()

@@ -42,9 +42,6 @@ fn folder(test: &str) -> Folder {
         "omega_rad_s,distance_m,alpha_f_rad\n5,0.6,0\n5,0.8,0.1\n",
     );
     folder.write("gaps.csv", "omega_rad_s,alpha_f_rad\n5,\n");
-    folder.write("broken.json", "{\"instances\": [");
-    folder.write("none.json", "{\"instances\": []}");
-    folder.write("jumps.json", r#"{"instances": [{"id": "a", "start_x_m": 0, "start_height_m": 0, "jumps": 0, "goal_x_m": 1, "obstacles": [], "no_landing": []}]}"#);
     std::fs::create_dir(folder.path("folder")).unwrap();
     folder
 }
@@ -536,32 +533,6 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "plan binary.csv",
         &["binary.csv: byte 51 is not UTF-8 text"],
-    ),
-    ("parkour", &["<FILE>"]),
-    (
-        "parkour broken.json --out a.json",
-        &["broken.json: not JSON: EOF while parsing"],
-    ),
-    ("parkour none.json", &["none.json: instances is empty"]),
-    (
-        "parkour jumps.json",
-        &["jumps.json: instances 1.jumps = 0: must be a whole number from 1 to 12"],
-    ),
-    (
-        "parkour none.json --robot rats-planar",
-        &["--robot rats-planar: must be mppc-hopper"],
-    ),
-    (
-        "parkour none.json --set speed=3",
-        &["--set speed=3: must be one of gravity_m_s2"],
-    ),
-    (
-        "parkour none.json --set gravity_m_s2=0",
-        &["--set gravity_m_s2=0: must be a number above 0"],
-    ),
-    (
-        "parkour none.json --set greatest_speed_m_s=1",
-        &["least speed 1.5, greatest 1: must be the least below the greatest"],
     ),
     // Files that are written.
     (

@@ -341,13 +341,11 @@ fn help_has_examples_and_every_shell_is_completed() {
     let folder = Folder::new("help");
     let all = folder.done("--help", 0);
     for command in [
-        "simulate", "table", "law", "map", "plan", "verify", "diagnose", "fit", "parkour", "export",
+        "simulate", "table", "law", "map", "plan", "verify", "diagnose", "fit", "export",
     ] {
         assert!(all.contains(&format!("saltus {command} ")), "{command}");
     }
-    for command in [
-        "simulate", "table", "law", "map", "plan", "verify", "parkour",
-    ] {
+    for command in ["simulate", "table", "law", "map", "plan", "verify"] {
         let help = folder.done(&format!("{command} --help"), 0);
         for word in [
             "Examples:",
@@ -552,48 +550,6 @@ fn errors_scatter_the_landings_as_their_first_order_says() {
     assert_ne!(
         folder.done(&line, 0),
         folder.done(&line.replace("--seed 3", "--seed 4"), 0)
-    );
-}
-
-#[test]
-fn parkour_plans_are_no_slower_than_the_published_ones() {
-    let folder = Folder::new("parkour");
-    std::fs::copy(reference("instances.json"), folder.path("instances.json")).unwrap();
-    folder.done("parkour instances.json --out plans.json", 0);
-    let parse = |name: &str| serde_json::from_str::<serde_json::Value>(&folder.read(name)).unwrap();
-    let (plans, problems) = (parse("plans.json"), parse("instances.json"));
-    for (plan, problem) in plans["plans"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .zip(problems["instances"].as_array().unwrap())
-    {
-        assert_eq!(plan["id"], problem["id"]);
-        let times = plan["flight_time_s"].as_array().unwrap();
-        assert_eq!(times.len() as u64, problem["jumps"].as_u64().unwrap());
-        let total: f64 = times.iter().map(|time| time.as_f64().unwrap()).sum();
-        // The published times have eight digits and 1e-4 s of their solver's tolerance.
-        assert!(
-            total
-                <= problem["published"]["total_flight_time_s"]
-                    .as_f64()
-                    .unwrap()
-                    + 1e-4
-        );
-    }
-    let slow = folder.done("parkour instances.json --set greatest_speed_m_s=1.6", 1);
-    assert!(slow.contains("infeasible"), "{slow}");
-    let one = folder.done("parkour instances.json --course static-02", 0);
-    assert!(
-        one.contains("1 course\n") && one.contains("static-02") && !one.contains("static-00"),
-        "{one}"
-    );
-    let none = folder.run(&["parkour", "instances.json", "--course", "static-99"]);
-    assert_eq!(none.code, Some(2));
-    assert!(
-        none.err
-            .contains("--course static-99: must be the id of a course in instances.json"),
-        "{none:?}"
     );
 }
 

@@ -160,21 +160,12 @@ fn lighter(mut words: Vec<String>) -> Vec<String> {
 /// A folder with the files that the documents' commands read.
 pub(crate) fn furnished(name: &str) -> Folder {
     let folder = Folder::new(name);
-    let places = [
-        "saltus/examples",
-        "tests/reference/parkour-hopper",
-        "docs",
-        "src",
-    ];
+    let places = ["saltus/examples", "docs", "src"];
     for place in places {
         std::fs::create_dir_all(folder.path(place)).unwrap();
     }
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for file in [
-        "saltus/examples/box.toml",
-        "saltus/examples/low_box.toml",
-        "tests/reference/parkour-hopper/instances.json",
-    ] {
+    for file in ["saltus/examples/box.toml", "saltus/examples/low_box.toml"] {
         std::fs::copy(root.join(file), folder.path(file)).unwrap();
     }
     let drops = "tests/reference/ball-drops/tennis-ball";

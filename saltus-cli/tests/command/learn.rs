@@ -147,15 +147,6 @@ fn a_learnt_table_is_exported() {
     let header = folder.read("c/saltus_policy.h");
     assert!(header.contains("saltus_policy_choices[961]") && header.contains("typedef double"));
     folder.done(
-        "export policy zone.json --as rust --name ZONE --out rust",
-        0,
-    );
-    assert!(
-        folder
-            .read("rust/policy.rs")
-            .contains("pub const ZONE: Choices<'static, f32>")
-    );
-    folder.done(
         "learn run-stride --algorithm q --seeds 1 --episodes 3 --out q.json",
         0,
     );
@@ -254,10 +245,6 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     ("run --policy-seed 1", "--policy"),
     ("export policy empty.json --out c", "policy: is missing"),
-    (
-        "export policy policy.json --out c --name RUN",
-        "which has no constant",
-    ),
     ("export policy policy.json --out empty.json", "a folder"),
     ("export policy policy.json", "--out"),
     ("learn run-zone --robot spring-hopper --draw", "pneumatic"),

@@ -5,7 +5,8 @@
 /// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
 /// for something else.
 pub(crate) fn named(document: &str) -> Vec<Vec<String>> {
-    const COMMANDS: &str = "simulate table law map plan verify filling run jump diagnose fit parkour export c rust mjcf urdf";
+    const COMMANDS: &str =
+        "simulate table law map plan verify filling run jump diagnose fit export c rust mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")

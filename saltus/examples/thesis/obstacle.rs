@@ -124,9 +124,7 @@ fn margin(planner: &Planner, jump: &Jump, stance: &[(f64, f64)], front: f64) -> 
     let flight = jump.exact_flight().ok_or("no flight")?;
     let solid = Obstacle::block([front, 0.0], [front + SIDE, SIDE])?;
     let landing = flight.time_to_height(radius)?;
-    let flying = flight
-        .clearance(&Disc::wheel(radius), &solid, 0.0, landing)?
-        .distance;
+    let flying = flight.clearance(&Disc::wheel(radius), &solid, 0.0, landing)?;
     // On its foot the wheel is in front of the box.
     let gap = |(x, y): &(f64, f64)| (front - x).max(0.0).hypot((y - SIDE).max(0.0)) - radius;
     // It comes down behind the box, and not before it.

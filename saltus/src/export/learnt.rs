@@ -1,4 +1,4 @@
-//! A table that was learnt, as C or Rust.
+//! A table that was learnt, as C.
 
 use saltus_controller::c_source::POLICY as HEADER;
 use saltus_gait::learn::{Actions, Axis, Tabular, Task};
@@ -75,34 +75,6 @@ impl LearntTable {
         );
         let words = [("HEADER", comment(&self.about)), ("DATA", data)];
         fill(HEADER, words.into_iter().chain(number_words::<R>()))
-    }
-
-    /// A constant for the crate saltus-controller, of this name.
-    pub fn rust<R: Number>(&self, name: &str) -> String {
-        let about = format!("//! {}\n", self.about.join("\n//! "));
-        let steps = self.steps::<R>(|from, to, count| {
-            let (from, to) = (from.digits(), to.digits());
-            format!("        Steps {{ from: {from}, to: {to}, count: {count} }},\n")
-        });
-        let firings = self.firings().map_or_else(String::new, |firings| {
-            let row = |x: &[f64; 2]| {
-                let [angle, open] = x.map(|x| R::of(x).digits());
-                format!("    [{angle}, {open}],\n")
-            };
-            format!(
-                "\n/// Of each choice: firing angle (rad), valve opening time (s).\npub const {name}_FIRINGS: [[{}; 2]; {}] = \
-                 [\n{}];\n",
-                R::RUST_TYPE,
-                firings.len(),
-                firings.iter().map(row).collect::<String>()
-            )
-        });
-        format!(
-            "{about}\nuse saltus_controller::run::{{Choices, Steps}};\n\n/// The choice in each state.\npub const {name}: \
-             Choices<'static, {}> = Choices {{\n    axes: &[\n{steps}    ],\n    choices: &[\n{}    ],\n}};\n{firings}",
-            R::RUST_TYPE,
-            self.rows("        ")
-        )
     }
 
     fn steps<R: Number>(&self, line: impl Fn(R, R, u16) -> String) -> String {

@@ -124,18 +124,16 @@ impl<R: Number> Tables<R> {
     pub fn rust(&self, name: &str) -> String {
         let about: String = self.about().iter().map(|line| comment(line)).collect();
         let (real, robot) = (R::RUST_TYPE, self.name.escape_default());
-        let (kind, rule) = self.rust_rule();
-        let (map_rates, angles) = (axis(&self.rates), axis(&self.angles));
-        let [rates, limits, constants] = self.rust_numbers();
-        let rule_nodes = match &self.nodes {
-            Nodes::Table(table) => nodes("RULE_NODES", table),
-            Nodes::Curve(curve) => nodes("RULE_NODES", curve),
+        // How it is printed is how it is written, but for paths and borrows; a line for each node.
+        let constant = format!("{:?}", self.controller())
+            .replace("rule: ", "rule: Rule::")
+            .replace(": [", ": &[")
+            .replace("], [", "],\n    [")
+            .replace(" }, ", " },\n    ");
+        let kind = match self.nodes {
+            Nodes::Table(_) => "FiringTable",
+            Nodes::Curve(_) => "FiringCurve",
         };
-        let (rule_open, map_open) = (
-            cells("RULE_OPEN", &self.open),
-            cells("MAP_OPEN", &self.map_open),
-        );
-        let map_nodes = nodes("MAP_NODES", &self.map_nodes);
         format!(
             "{about}
 #![allow(clippy::all, clippy::pedantic, unreachable_pub)]
@@ -143,102 +141,13 @@ impl<R: Number> Tables<R> {
 use saltus_controller::{{Axis, Controller, {kind}, LiftOffMap, Limits, Rates, Robot, Rule}};
 
 /// What the robot {robot} decides by.
-pub const {name}: Controller<'static, {real}> = Controller {{
-    rule: Rule::{rule},
-    map: LiftOffMap {{ rates: {map_rates}, angles: {angles}, nodes: &MAP_NODES, open: &MAP_OPEN }},
-    rates: {rates},
-    robot: {constants},
-    limits: {limits},
-}};
-{rule_nodes}{rule_open}{map_nodes}{map_open}"
+pub const {name}: Controller<'static, {real}> = {constant};
+"
         )
-    }
-
-    /// The rule's type, and the rule.
-    fn rust_rule(&self) -> (&'static str, String) {
-        let rates = axis(&self.rates);
-        let (of, kind, distance) = match self.nodes {
-            Nodes::Table(_) => {
-                let distances = axis(&self.distances);
-                ("Table", "FiringTable", format!("distances: {distances}"))
-            }
-            Nodes::Curve(_) => {
-                let distance = self.distances.first.digits();
-                ("Curve", "FiringCurve", format!("distance: {distance}"))
-            }
-        };
-        let rule = format!(
-            "{of}({kind} {{ rates: {rates}, {distance}, nodes: &RULE_NODES, open: &RULE_OPEN }})"
-        );
-        (kind, rule)
-    }
-
-    /// Rates, limits and robot.
-    fn rust_numbers(&self) -> [String; 3] {
-        let (c, l, r) = (&self.counted, &self.limits, &self.robot);
-        let rates = fields(&[
-            ("least", c.least.digits()),
-            ("greatest", c.greatest.digits()),
-            ("reference_lean", c.reference_lean.digits()),
-            ("at_firing", c.at_firing.to_string()),
-        ]);
-        let limits = fields(&[
-            ("period", l.period.digits()),
-            ("extra_delay", l.extra_delay.digits()),
-            ("newton_steps", l.newton_steps.to_string()),
-            ("least_valve_open", l.least_valve_open.digits()),
-            ("greatest_valve_open", l.greatest_valve_open.digits()),
-            ("effort", l.effort.digits()),
-        ]);
-        let robot = fields(&[
-            ("radius", r.radius.digits()),
-            ("gravity", r.gravity.digits()),
-            ("pendulum", r.pendulum.digits()),
-            ("stride", r.stride.digits()),
-            ("valve_open", r.valve_open.digits()),
-            ("landing_height", r.landing_height.digits()),
-        ]);
-        [
-            format!("Rates {{ {rates} }}"),
-            format!("Limits {{ {limits} }}"),
-            format!("Robot {{ {robot} }}"),
-        ]
     }
 }
 
 /// A line of the head.
 fn comment(line: &str) -> String {
     format!("{}\n", format!("//! {line}").trim_end())
-}
-
-fn fields(of: &[(&str, String)]) -> String {
-    let each: Vec<String> = of
-        .iter()
-        .map(|(name, value)| format!("{name}: {value}"))
-        .collect();
-    each.join(", ")
-}
-
-fn axis<R: Number>(a: &Axis<R>) -> String {
-    let [first, last, per_unit] = [a.first, a.last, a.per_unit].map(Number::digits);
-    format!(
-        "Axis {{ first: {first}, last: {last}, per_unit: {per_unit}, count: {} }}",
-        a.count
-    )
-}
-
-fn nodes<R: Number, const N: usize>(name: &str, nodes: &[[R; N]]) -> String {
-    let (real, count) = (R::RUST_TYPE, nodes.len());
-    let row = |node: &[R; N]| {
-        let list: Vec<String> = node.iter().map(|x| x.digits()).collect();
-        format!("    [{}],\n", list.join(", "))
-    };
-    let rows: String = nodes.iter().map(row).collect();
-    format!("\nstatic {name}: [[{real}; {N}]; {count}] = [\n{rows}];\n")
-}
-
-fn cells(name: &str, open: &[u8]) -> String {
-    let list: Vec<String> = open.iter().map(u8::to_string).collect();
-    let (count, list) = (open.len(), list.join(", "));
-    format!("\nstatic {name}: [u8; {count}] = [{list}];\n")
 }

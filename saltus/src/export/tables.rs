@@ -1,13 +1,12 @@
 //! Tables from the planner, and how far they are from it.
 
 use hmac_sha256::Hash;
-use saltus_ballistic::Trajectory;
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
 };
 use saltus_lagrangian::Launch;
 use saltus_numeric::{Dual, Scalar, refused};
-use saltus_planner::{JumpModel, Planner};
+use saltus_planner::{JumpFlight, JumpModel, Planner};
 
 use super::layout::{Firing, Flown, Layout, Start};
 use super::numbers::Number;
@@ -542,9 +541,9 @@ fn axis<R: Number>((first, last, count): (f64, f64, usize)) -> Axis<R> {
 
 /// Lift-off of the parabola that starts at the `axle` (m), rises as high as `flight` and comes down
 /// to `height` (m) where that does; none where there is none.
-fn stand_in<T: Trajectory<Dual<4>>>(
+fn stand_in(
     [x, y]: [Dual<4>; 2],
-    flight: &T,
+    flight: &JumpFlight<Dual<4>>,
     gravity: f64,
     height: f64,
 ) -> Option<[Dual<4>; 4]> {

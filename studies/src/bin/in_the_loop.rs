@@ -15,12 +15,11 @@ use std::process::{Command as Program, Stdio};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
-use saltus::closed_loop::{Command, Start, jump};
 use saltus_controller::{Controller, Observer, Sensed, Task, Timing};
 use saltus_lagrangian::Launch;
 use saltus_planner::Planner;
 use saltus_robot::Robot;
-use saltus_tests::controlled::{Encoder, spread};
+use saltus_tests::controlled::{Command, Encoder, Start, jump, spread};
 
 #[rustfmt::skip]
 #[path = "../../../controller/examples/rats_planar/tables.rs"]

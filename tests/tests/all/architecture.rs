@@ -67,7 +67,7 @@ const KNOWN_TO: [(&str, &[&str]); 15] = [
     ("pyo3", &["python"]),
     ("ruzstd", &["telemetry"]),
     ("serde", &["saltus-cli"]),
-    ("serde_json", &["robot", "saltus", "saltus-cli"]),
+    ("serde_json", &["saltus", "saltus-cli"]),
     ("signal-hook", &["saltus-cli"]),
     ("toml", &["robot", "saltus", "python"]),
 ];

@@ -4,8 +4,7 @@
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
-use saltus::ballistic::{Disc, Obstacle, Trajectory};
-use saltus::closed_loop::{Command, Start, jump};
+use saltus::ballistic::{Disc, Obstacle};
 use saltus::controller::{
     Approach, Guess, NoTakeOff, Observer, Reason, Rule, Sensed, Task, Timing,
 };
@@ -13,7 +12,7 @@ use saltus::export::{self, ExportError, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 use saltus::{Launch, Planner, Robot};
-use saltus_tests::controlled::{Encoder, spread};
+use saltus_tests::controlled::{Command, Encoder, Start, jump, spread};
 
 #[rustfmt::skip]
 #[path = "../../../controller/examples/rats_planar/tables.rs"]
@@ -232,7 +231,7 @@ fn exact_margin(
     };
     let over = flight
         .clearance(&Disc::wheel(radius), &solid, 0.0, landing)
-        .map_or(f64::NEG_INFINITY, |c| c.distance);
+        .unwrap_or(f64::NEG_INFINITY);
     over.min(beyond)
 }
 

@@ -114,10 +114,10 @@ impl InjectFlags {
         let mut files = Files::default();
         files.report(
             None,
-            match command.output.asked() {
-                Some(Format::Json) => output::json(&self.json(&made, command.seed)),
-                Some(Format::Csv) => csv(&made.truth),
-                _ => self.text(&made, folder),
+            match command.output.format() {
+                Format::Json => output::json(&self.json(&made, command.seed)),
+                Format::Csv => csv(&made.truth),
+                Format::Text => self.text(&made, folder),
             },
         );
         files.write()?;

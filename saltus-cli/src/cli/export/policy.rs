@@ -2,27 +2,23 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use saltus::export::{LearntTable, Number};
 
-use super::tables::{RealType, identifier};
+use super::tables::RealType;
 use crate::cli::Status;
 use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
 use crate::output::{Files, reachable_folder};
 
-/// Write what `saltus learn` learnt as a table in C99 or Rust
+/// Write what `saltus learn` learnt as a table in C99
 #[derive(Args, Debug)]
 #[command(after_help = "`saltus export policy --help` explains the files.", after_long_help = HELP)]
 pub(super) struct Policy {
     /// What `saltus learn --out` wrote as JSON
     #[arg(value_name = "POLICY.json")]
     learnt: PathBuf,
-
-    /// The language
-    #[arg(long = "as", value_enum, default_value_t = Language::C)]
-    language: Language,
 
     /// The seed whose policy is written [default: the one that did best]
     #[arg(long = "policy-seed", value_name = "SEED", value_parser = seed)]
@@ -32,10 +28,6 @@ pub(super) struct Policy {
     #[arg(long, value_enum, default_value_t = RealType::Float)]
     real: RealType,
 
-    /// Name of the constant in Rust [default: POLICY]
-    #[arg(long, value_name = "NAME", value_parser = identifier)]
-    name: Option<String>,
-
     /// Write the files into this folder, which is made if it is not there
     #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
     out: PathBuf,
@@ -44,26 +36,13 @@ pub(super) struct Policy {
 const HELP: &str = "\
 Examples:
   saltus export policy policy.json --out firmware/src
-  saltus export policy policy.json --as rust --real double --name RUN_ZONE --out src
 
-A table becomes saltus_policy.h, which has the choice in each state and the function that finds it, or policy.rs, a constant for the crate \
-saltus-controller. What is observed, in which units, and what the choices are stands at the head; it is printed, too. The choice is the action of the \
-greatest value, of equal ones the first: what `saltus learn` scores and `saltus run --policy` runs, to the bit with --real double.";
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Language {
-    /// C99
-    C,
-    /// Rust
-    Rust,
-}
+A table becomes saltus_policy.h, which has the choice in each state and the function that finds it. What is observed, in which units, and what the \
+choices are stands at the head; it is printed, too. The choice is the action of the greatest value, of equal ones the first: what `saltus learn` \
+scores and `saltus run --policy` runs, to the bit with --real double.";
 
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        if let (Some(name), Language::C) = (&self.name, self.language) {
-            let allowed = "left out with --as c, which has no constant to name";
-            return Err(CliError::flag("--name", name, allowed));
-        }
         if self.out.exists() && !self.out.is_dir() {
             let allowed = "a folder, into which the files are written";
             return Err(CliError::flag("--out", self.out.display(), allowed));
@@ -80,16 +59,10 @@ impl Policy {
         let learned = Learned::load(&self.learnt, self.seed)?;
         let table = LearntTable::new(&learned.table, &learned.settings, learned.seed)
             .map_err(|error| CliError::content(&name, error))?;
-        let (name, text) = match self.language {
-            Language::C => ("saltus_policy.h", table.c::<R>()),
-            Language::Rust => (
-                "policy.rs",
-                table.rust::<R>(self.name.as_deref().unwrap_or("POLICY")),
-            ),
-        };
         std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
         let mut files = Files::default();
-        files.add("--out", &self.out.join(name), text.into_bytes());
+        let header = self.out.join("saltus_policy.h");
+        files.add("--out", &header, table.c::<R>().into_bytes());
         files.report(None, table.about.join("\n") + "\n");
         files.write()?;
         Ok(Status::Done)

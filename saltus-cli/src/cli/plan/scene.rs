@@ -1,6 +1,5 @@
 //! Plans as a drawing.
 
-use saltus::ballistic::Trajectory;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::Span;
 use saltus::planner::{

@@ -2,7 +2,6 @@
 //! errors.
 
 use saltus::Launch;
-use saltus::ballistic::Trajectory;
 use saltus::planner::JumpModel;
 use saltus::verify::{Attempt, Demand, Flown as Simulated, Outcome, RunJump, Subject, Verdict};
 

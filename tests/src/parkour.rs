@@ -1,5 +1,6 @@
 //! A one-leg hopper on a boom that crosses obstacle courses, as a [`Jumper`]: launch speed and
-//! angle are free, and the total flight time is to be least.
+//! angle are free, and the total flight time is to be least. Its published problems validate the
+//! planner's branch and bound.
 //!
 //! Decided are the distance D of a jump, foothold to foothold, and its launch angle θ; the landing
 //! is then linear in the decisions, and time and speed follow in closed form. With the flight from
@@ -18,8 +19,76 @@
 
 use saltus_numeric::root::Bracket;
 use saltus_numeric::{Scalar, Single};
+use saltus_planner::course::{
+    Course, Edge, Envelope, Flight, Jump, Jumper, Leap, Limit, Margin, Obstacle, Side, Slope, Span,
+};
+use serde_json::Value;
 
-use crate::course::{Edge, Envelope, Flight, Jump, Jumper, Leap, Limit, Margin, Side, Slope, Span};
+/// A course and the flight time that its own planner found.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The course.
+    pub course: Course,
+    /// Total flight time (s) of the published plan.
+    pub published: f64,
+}
+
+/// The 58 published problems.
+///
+/// # Panics
+/// If the reference file is not what its README says.
+pub fn published() -> Vec<Problem> {
+    problems(include_str!("../reference/parkour-hopper/instances.json"))
+}
+
+/// The problems that `text` (JSON) lists.
+///
+/// # Panics
+/// If `text` is not of the form of the published ones.
+pub fn problems(text: &str) -> Vec<Problem> {
+    let file: Value = serde_json::from_str(text).expect("JSON");
+    list(&file, "instances").iter().map(problem).collect()
+}
+
+fn problem(i: &Value) -> Problem {
+    let course = Course {
+        id: i["id"].as_str().expect("a name").into(),
+        start: number(i, "start_x_m"),
+        start_height: number(i, "start_height_m"),
+        jumps: i["jumps"]
+            .as_u64()
+            .and_then(|n| n.try_into().ok())
+            .expect("a count"),
+        goal: Span::point(number(i, "goal_x_m")),
+        obstacles: list(i, "obstacles").iter().map(obstacle).collect(),
+        no_landing: list(i, "no_landing").iter().map(area).collect(),
+    };
+    Problem {
+        course,
+        published: number(&i["published"], "total_flight_time_s"),
+    }
+}
+
+fn obstacle(o: &Value) -> Obstacle {
+    Obstacle {
+        center: number(o, "center_x_m"),
+        width: number(o, "width_m"),
+        height: number(o, "height_m"),
+    }
+}
+
+fn area(a: &Value) -> Span {
+    let (center, half) = (number(a, "center_x_m"), number(a, "width_m") / 2.0);
+    Span::new(center - half, center + half)
+}
+
+fn list<'a>(of: &'a Value, key: &str) -> &'a [Value] {
+    of[key].as_array().unwrap_or_else(|| panic!("{key}"))
+}
+
+fn number(of: &Value, key: &str) -> f64 {
+    of[key].as_f64().unwrap_or_else(|| panic!("{key}"))
+}
 
 /// The hopper. Its nominal values, [`Hopper::default`], are those of the published experiments.
 #[derive(Clone, Debug, PartialEq)]
@@ -396,6 +465,3 @@ fn rising_root(f: impl Fn(f64) -> f64, below: (f64, f64), above: (f64, f64)) -> 
     }
     bracket.places().1
 }
-
-#[cfg(test)]
-mod tests;

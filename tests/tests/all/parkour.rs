@@ -2,90 +2,25 @@
 //! the published one.
 
 use saltus_planner::course::{Answer, Course, Obstacle, Plan, Settings, Span, plan};
-use saltus_planner::parkour::Hopper;
-use serde::Deserialize;
+use saltus_tests::parkour::{Hopper, published};
 
-#[derive(Deserialize)]
-struct File {
-    instances: Vec<Instance>,
-}
-
-#[derive(Clone, Deserialize)]
-struct Instance {
-    id: String,
-    start_x_m: f64,
-    start_height_m: f64,
-    jumps: usize,
-    goal_x_m: f64,
-    obstacles: Vec<Item>,
-    no_landing: Vec<Item>,
-    published: Published,
-}
-
-#[derive(Clone, Deserialize)]
-#[expect(
-    clippy::struct_field_names,
-    reason = "the file's keys carry their unit"
-)]
-struct Item {
-    center_x_m: f64,
-    width_m: f64,
-    #[serde(default)]
-    height_m: f64,
-}
-
-#[derive(Clone, Deserialize)]
-struct Published {
-    total_flight_time_s: f64,
-}
-
-fn instances() -> Vec<Instance> {
-    let text = include_str!("../../tests/reference/parkour-hopper/instances.json");
-    serde_json::from_str::<File>(text)
-        .expect("the reference file")
-        .instances
-}
-
-fn course(i: &Instance) -> Course {
-    let obstacle = |o: &Item| Obstacle {
-        center: o.center_x_m,
-        width: o.width_m,
-        height: o.height_m,
-    };
-    let area = |a: &Item| {
-        Span::new(
-            a.center_x_m - a.width_m / 2.0,
-            a.center_x_m + a.width_m / 2.0,
-        )
-    };
-    Course {
-        id: i.id.clone(),
-        start: i.start_x_m,
-        start_height: i.start_height_m,
-        jumps: i.jumps,
-        goal: Span::point(i.goal_x_m),
-        obstacles: i.obstacles.iter().map(obstacle).collect(),
-        no_landing: i.no_landing.iter().map(area).collect(),
-    }
-}
-
-fn solved(i: &Instance, settings: &Settings) -> Plan {
-    match plan(&Hopper::default(), &course(i), settings) {
+fn solved(course: &Course, settings: &Settings) -> Plan {
+    match plan(&Hopper::default(), course, settings) {
         Ok(Answer::Plan(plan)) => plan,
-        other => panic!("{}: {other:?}", i.id),
+        other => panic!("{}: {other:?}", course.id),
     }
 }
 
 /// The greatest violation of the published rules by jumps of time t, speed v and angle θ; infinite
 /// where a yes or no fails. Written from the problem set's README alone.
-fn violation(i: &Instance, jumps: &[[f64; 3]]) -> f64 {
+fn violation(course: &Course, jumps: &[[f64; 3]]) -> f64 {
     let pose = 94_f64.to_radians();
     let [c, s] = [-0.17 * pose.cos(), -0.17 * pose.sin()];
     let psi = std::f64::consts::PI
         - pose
         - ((0.17_f64.powi(2) + 0.15 * 0.15 - 0.15 * 0.15) / (2.0 * 0.15 * 0.17)).acos();
     let knee = [-0.15 * psi.cos(), 0.15 * psi.sin()];
-    let (mut x, mut z, mut worst) = (i.start_x_m, i.start_height_m, 0.0_f64);
+    let (mut x, mut z, mut worst) = (course.start, course.start_height, 0.0_f64);
     for &[t, v, angle] in jumps {
         let outside = |value: f64, low: f64, high: f64| (low - value).max(value - high);
         worst = worst.max(outside(t, 0.2, 3.0)).max(outside(v, 1.5, 2.7));
@@ -94,57 +29,49 @@ fn violation(i: &Instance, jumps: &[[f64; 3]]) -> f64 {
         let height = |t: f64| pz + v * angle.sin() * t - 8.0665 / 2.0 * t * t;
         let (nx, nz) = (px + v * angle.cos() * t, height(t));
         let mut surface = 0.0;
-        for o in &i.obstacles {
-            let (front, back) = (
-                o.center_x_m - o.width_m / 2.0,
-                o.center_x_m + o.width_m / 2.0,
-            );
+        for o in &course.obstacles {
+            let (front, back) = (o.center - o.width / 2.0, o.center + o.width / 2.0);
             if front <= nx && nx <= back {
-                surface = o.height_m;
+                surface = o.height;
             }
             worst = worst
                 .max(0.03 - (nx - front).abs())
                 .max(0.03 - (nx - back).abs());
             let speed = v * angle.cos();
             if x < front && front < nx {
-                worst = worst.max(o.height_m + 0.05 - height((front - px) / speed));
+                worst = worst.max(o.height + 0.05 - height((front - px) / speed));
             }
             if x < back && back < nx {
                 worst =
-                    worst.max(o.height_m + 0.05 - knee[1] - height((back - px - knee[0]) / speed));
+                    worst.max(o.height + 0.05 - knee[1] - height((back - px - knee[0]) / speed));
             }
         }
-        for a in &i.no_landing {
-            worst = worst.max(a.width_m / 2.0 - (nx - a.center_x_m).abs());
+        for a in &course.no_landing {
+            worst = worst.max((nx - a.low).min(a.high - nx));
         }
         worst = worst.max((nz - surface).abs());
         (x, z) = (nx, nz);
     }
-    worst.max((x - i.goal_x_m).abs())
+    worst.max((x - course.goal.low).abs())
 }
 
 #[test]
 fn every_plan_is_valid_and_none_is_slower() {
-    for i in instances() {
-        let plan = solved(&i, &Settings::default());
+    let problems = published();
+    assert_eq!(problems.len(), 58);
+    for problem in problems {
+        let course = problem.course;
+        let plan = solved(&course, &Settings::default());
         let launches = plan.jumps.iter().map(|j| Hopper::default().launch(j));
         let jumps: Vec<_> = launches
             .map(|l| [l.flight_time, l.speed, l.angle])
             .collect();
         // The solver's feasibility is 1e-10, for landings and clearances in a row.
-        assert!(
-            violation(&i, &jumps) < 1e-9,
-            "{}: {:e}",
-            i.id,
-            violation(&i, &jumps)
-        );
+        let worst = violation(&course, &jumps);
+        assert!(worst < 1e-9, "{}: {worst:e}", course.id);
         let total: f64 = jumps.iter().map(|j| j[0]).sum();
         // The published times have 8 digits, their landings a tolerance of 1e-6.
-        assert!(
-            total < i.published.total_flight_time_s + 1e-5,
-            "{}: {total}",
-            i.id
-        );
+        assert!(total < problem.published + 1e-5, "{}: {total}", course.id);
     }
 }
 
@@ -154,25 +81,25 @@ fn a_longer_search_finds_nothing_better() {
         nodes: 20_000,
         ..Settings::default()
     };
-    for i in instances() {
-        let (quick, proven) = (solved(&i, &Settings::default()), solved(&i, &proof));
-        assert!(
-            proven.complete,
-            "{}: {} to {}",
-            i.id, proven.bound, proven.cost
+    for problem in published() {
+        let course = problem.course;
+        let (quick, proven) = (
+            solved(&course, &Settings::default()),
+            solved(&course, &proof),
         );
+        let id = &course.id;
+        assert!(proven.complete, "{id}: {} to {}", proven.bound, proven.cost);
         // The gap of the search.
         assert!(
             quick.cost <= proven.cost + 5e-5 && proven.bound >= proven.cost - 5e-5,
-            "{}",
-            i.id
+            "{id}"
         );
     }
 }
 
 /// Least time of a jump from x to nx over launch angles, on a grid of them; infinite if none is
 /// allowed.
-fn fastest(i: &Instance, x: f64, z: f64, nx: f64, surface: f64) -> [f64; 3] {
+fn fastest(course: &Course, x: f64, z: f64, nx: f64, surface: f64) -> [f64; 3] {
     let foot = [
         -0.17 * 94_f64.to_radians().cos(),
         -0.17 * 94_f64.to_radians().sin(),
@@ -183,11 +110,11 @@ fn fastest(i: &Instance, x: f64, z: f64, nx: f64, surface: f64) -> [f64; 3] {
         let rise = surface - z - 0.19 * angle.sin() - foot[1];
         let t = ((length * angle.tan() - rise) * 2.0 / 8.0665).sqrt();
         let jump = [t, length / (t * angle.cos()), angle];
-        let alone = Instance {
-            start_x_m: x,
-            start_height_m: z,
-            goal_x_m: nx,
-            ..i.clone()
+        let alone = Course {
+            start: x,
+            start_height: z,
+            goal: Span::point(nx),
+            ..course.clone()
         };
         if violation(&alone, &[jump]) < 1e-9 {
             return jump;
@@ -196,9 +123,9 @@ fn fastest(i: &Instance, x: f64, z: f64, nx: f64, surface: f64) -> [f64; 3] {
     [f64::INFINITY; 3]
 }
 
-fn surface(i: &Instance, x: f64) -> f64 {
-    let on = |o: &&Item| (x - o.center_x_m).abs() <= o.width_m / 2.0;
-    i.obstacles.iter().find(on).map_or(0.0, |o| o.height_m)
+fn surface(course: &Course, x: f64) -> f64 {
+    let on = |o: &&Obstacle| (x - o.center).abs() <= o.width / 2.0;
+    course.obstacles.iter().find(on).map_or(0.0, |o| o.height)
 }
 
 /// Times grow with the angle, so the first allowed one on its grid is the fastest; landings are on
@@ -214,28 +141,27 @@ fn brute_force_finds_nothing_better() {
         "two_rounds-20",
         "static-02",
     ] {
-        let Some(i) = instances().into_iter().find(|i| i.id == id) else {
-            panic!("{id}")
-        };
+        let problem = published().into_iter().find(|i| i.course.id == id);
+        let course = problem.unwrap_or_else(|| panic!("{id}")).course;
         // Distances from the goal backwards, so that the last jump hits it.
         let steps = (0..)
-            .map(|n| i.goal_x_m - 0.01 * f64::from(n))
-            .take_while(|x| *x > i.start_x_m);
-        let mut places: Vec<f64> = steps.chain([i.start_x_m]).collect();
+            .map(|n| course.goal.low - 0.01 * f64::from(n))
+            .take_while(|x| *x > course.start);
+        let mut places: Vec<f64> = steps.chain([course.start]).collect();
         places.reverse();
         let mut cost = vec![f64::INFINITY; places.len()];
         cost[0] = 0.0;
         let from = |a: usize, x: f64| {
             let z = if a == 0 {
-                i.start_height_m
+                course.start_height
             } else {
-                surface(&i, x)
+                surface(&course, x)
             };
             let to = |&nx: &f64| {
                 if nx <= x || nx > x + 1.25 {
                     f64::INFINITY
                 } else {
-                    fastest(&i, x, z, nx, surface(&i, nx))[0]
+                    fastest(&course, x, z, nx, surface(&course, nx))[0]
                 }
             };
             places.iter().map(to).collect::<Vec<_>>()
@@ -245,7 +171,7 @@ fn brute_force_finds_nothing_better() {
             .enumerate()
             .map(|(a, &x)| from(a, x))
             .collect();
-        for _ in 0..i.jumps {
+        for _ in 0..course.jumps {
             let least = |b: usize| {
                 (0..b)
                     .map(|a| cost[a] + jump_cost[a][b])
@@ -253,7 +179,7 @@ fn brute_force_finds_nothing_better() {
             };
             cost = (0..places.len()).map(least).collect();
         }
-        let plan = solved(&i, &Settings::default());
+        let plan = solved(&course, &Settings::default());
         let least = cost[places.len() - 1];
         // The gap of the search; and a grid of 1 cm and 0.025° comes within a tenth of a second.
         assert!(
