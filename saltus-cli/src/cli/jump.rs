@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 use self::margin::{Margin, Passage};
 use self::sensed::Learning;
-use super::{Place, Status};
 use super::common::{OutputFlags, PlotOption, Threads, any_robot, seed};
+use super::{Place, Status};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;

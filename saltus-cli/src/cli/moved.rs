@@ -67,7 +67,7 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
         .iter()
         .flat_map(|word| match word.split_once('=') {
             Some((flag, value)) if flag.starts_with("--") => vec![flag, value],
-            _ => vec![word],
+            _ => vec![word.as_ref()],
         })
         .collect();
     let is_asked = |moved: &&Moved| {
