@@ -1,17 +1,15 @@
 //! What is flashed on a ball: the constants of its estimator and of its balancer.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use saltus_controller::Real;
 use saltus_controller::ball::{
-    Balance, Balancer, Estimator, Feet, Filter, Inertial, Lead, Plane, Rotation, Scales, Station,
-    Steer,
+    Balance, Balancer, Estimator, Feet, Filter, Lead, Plane, Rotation, Scales, Station, Steer,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::discs;
 
 use super::balance::Stable;
 use super::disc::Facing;
-use super::sensing::{Senses, feet, filter, scales};
+use super::sensing::{feet, filter, scales};
 use super::steer::Steered;
 use crate::GaitError;
 use crate::error::require;
@@ -233,25 +231,4 @@ fn led<R: Real>(l: &Lead<f64>) -> Lead<R> {
         rests: R::of(l.rests),
         patience: R::of(l.patience),
     }
-}
-
-/// The sensors of a run beside it: in a run with the same robot and seed, the estimator hears the same.
-#[derive(Clone, Debug)]
-pub struct Hearing(Senses);
-
-impl Hearing {
-    /// The sensors of `robot`, at rest with this `attitude` (w, x, y, z); their noise is drawn from `seed`.
-    pub fn new(robot: &Robot, attitude: [f64; 4], seed: u64) -> Hearing {
-        Hearing(Senses::new(robot, unit(attitude), seed))
-    }
-
-    /// What they say at the next cycle, with this attitude (w, x, y, z), velocity (m/s) and feet on the ground.
-    pub fn read(&mut self, attitude: [f64; 4], velocity: [f64; 3], touching: u64) -> Inertial {
-        let velocity = Vector3::from(velocity);
-        self.0.read(unit(attitude), velocity, touching)
-    }
-}
-
-fn unit([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }

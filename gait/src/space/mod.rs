@@ -14,8 +14,9 @@ use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
-pub use flashed::{Flashed, FlashedPlane, Hearing};
+pub use flashed::{Flashed, FlashedPlane};
 pub use measured::Measured;
+pub use sensing::Hearing;
 pub use steer::Steered;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -32,7 +33,7 @@ use saltus_sim_check::{Event, Happening, Ledger, Rig, Settings, Sim, Stepping, V
 use crate::error::require;
 use crate::law::Compiled;
 use crate::{GaitError, Program};
-use sensing::{Senses, estimator, scales};
+use sensing::{estimator, scales};
 
 /// How a robot rolls from rest.
 #[derive(Clone, Debug)]
@@ -481,7 +482,7 @@ impl Decides<'_> {
 
 /// What a robot with sensors makes of them.
 struct Sensed<'a> {
-    senses: Senses,
+    hearing: Hearing,
     scales: Scales<f64>,
     estimator: Estimator<'a, f64>,
 }
@@ -494,17 +495,14 @@ impl<'a> Sensed<'a> {
         };
         let start = (Rotation([q[3], q[4], q[5], q[6]]), [q[0], q[1], q[2]]);
         Some(Sensed {
-            senses: Senses::new(&roll.robot, attitude(q), seed),
+            hearing: Hearing::new(&roll.robot, start.0.0, seed),
             scales: scales(&roll.robot.sensors.unwrap_or_default()),
             estimator: estimator(&roll.robot, directions, start),
         })
     }
 
     fn take(&mut self, ball: &Ball) -> ([[f64; 3]; 2], Estimate<f64>) {
-        let [w, x, y, z] = ball.attitude;
-        let attitude = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        let velocity = Vector3::from(ball.velocity);
-        let readings = self.senses.read(attitude, velocity, ball.touching);
+        let readings = (self.hearing).read(ball.attitude, ball.velocity, ball.touching);
         self.estimator.take(&readings);
         let said = [self.scales.rate(&readings), self.scales.force(&readings)];
         (said, *self.estimator.estimate())

@@ -1,6 +1,6 @@
 //! What the sensors of a ball say.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use saltus_controller::ball::{Estimator, Feet, Filter, Inertial, Rotation, Scales};
@@ -8,9 +8,10 @@ use saltus_robot::{Robot, Sensors};
 
 use crate::cast::{instruments, most_counts, whole};
 
-/// The sensors of a ball, read a cycle at a time: gyros and accelerometers where the legs meet, switches in the feet.
+/// The sensors of a ball, read a cycle at a time: gyros and accelerometers where the legs meet, switches in the feet. Beside a run
+/// with the same robot and seed they say what its own say.
 #[derive(Clone, Debug)]
-pub(super) struct Senses {
+pub struct Hearing {
     sensors: Sensors,
     gravity: f64,
     random: Pcg64,
@@ -18,25 +19,21 @@ pub(super) struct Senses {
     before: (UnitQuaternion<f64>, Vector3<f64>),
 }
 
-impl Senses {
-    /// The sensors of `robot`, which is at rest with this `attitude`; their noise is drawn from `seed`.
-    pub(super) fn new(robot: &Robot, attitude: UnitQuaternion<f64>, seed: u64) -> Senses {
-        Senses {
+impl Hearing {
+    /// The sensors of `robot`, at rest with this `attitude` (w, x, y, z); their noise is drawn from `seed`.
+    pub fn new(robot: &Robot, attitude: [f64; 4], seed: u64) -> Hearing {
+        Hearing {
             sensors: robot.sensors.unwrap_or_default(),
             gravity: robot.environment.gravity,
             random: Pcg64::new(u128::from(seed), 0xba11),
-            before: (attitude, Vector3::zeros()),
+            before: (unit(attitude), Vector3::zeros()),
         }
     }
 
-    /// What they say a period after they were last read; gyros and accelerometers give its mean.
-    pub(super) fn read(
-        &mut self,
-        attitude: UnitQuaternion<f64>,
-        velocity: Vector3<f64>,
-        touching: u64,
-    ) -> Inertial {
-        let s = self.sensors;
+    /// What they say a period after they were last read, with this attitude (w, x, y, z), velocity (m/s) and feet on the ground;
+    /// gyros and accelerometers give the mean over the period.
+    pub fn read(&mut self, attitude: [f64; 4], velocity: [f64; 3], touching: u64) -> Inertial {
+        let (s, attitude, velocity) = (self.sensors, unit(attitude), Vector3::from(velocity));
         let (was, slower) = std::mem::replace(&mut self.before, (attitude, velocity));
         let turned = (was.inverse() * attitude).scaled_axis();
         let middle = was * UnitQuaternion::new(turned * 0.5);
@@ -62,6 +59,10 @@ impl Senses {
             touching,
         }
     }
+}
+
+fn unit([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
 }
 
 /// How fast (1/s) the velocity follows a standing foot, and (1/(m s)) the vertical.

@@ -47,12 +47,7 @@ fn nearby(
 }
 
 /// Prints the jump to `target`.
-fn told(
-    planner: &Planner,
-    plan: &JumpPlan,
-    target: [f64; 2],
-    robots: usize,
-) -> Result<(), Failed> {
+fn told(planner: &Planner, plan: &JumpPlan, target: [f64; 2], robots: usize) -> Result<(), Failed> {
     let (near, stay) = nearby(planner, plan, target, robots)?;
     let stay = stay.map_or(String::new(), |stay| stay.to_string());
     let apex = plan.flown.touch.map_or(0.0, |touch| touch.apex);

@@ -13,9 +13,7 @@ use std::f64::consts::PI;
 use saltus::chart::{COLORS, Chart, Ink};
 use saltus::running::Share;
 use saltus_gait::GaitError;
-use saltus_gait::space::{
-    DrawnBalls, FALLS, Gait, Knows, Roll, Stable, Steered, drawn_ball, roll,
-};
+use saltus_gait::space::{DrawnBalls, FALLS, Gait, Knows, Roll, Stable, Steered, drawn_ball, roll};
 use saltus_numeric::parallel::{available, map_on};
 use saltus_robot::Robot;
 

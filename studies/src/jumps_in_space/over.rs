@@ -1,9 +1,7 @@
 //! Over a box out of a run, or onto it.
 
 use saltus_controller::ball::{Firing, Plane, Rotation, Tracker};
-use saltus_gait::space::{
-    DrawnBalls, Facing, Flashed, Hearing, Roll, Stable, Steered, drawn_ball,
-};
+use saltus_gait::space::{DrawnBalls, Facing, Flashed, Hearing, Roll, Stable, Steered, drawn_ball};
 use saltus_gait::{GaitError, Obstacle, Search, search};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;

@@ -8,7 +8,6 @@ mod film;
 mod gait;
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 
 use saltus::Robot;
 use saltus::gait::GaitError;
@@ -16,20 +15,20 @@ use saltus::gait::space::{Ball, Gait, Knows, Left, Roll, Thrown};
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
-use super::Run;
 use super::gait::Kind;
 use super::report::approximate;
 use super::rows::Rows;
+use super::telemetry::settings_in_space;
+use super::{Run, note_interrupt};
 use crate::cli::{Place, Status};
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Files, Format, digits, full, message};
 use crate::progress::Progress;
-use beside::{Beside, Places, Said};
-use came::{Aim, Came, FAR, follow, leaving};
+use beside::Beside;
+use came::{Aim, Came, follow, leaving};
+use film::About;
 
-/// A robot that is kept in its plane is not faster (m/s).
-const FASTEST: f64 = 1.3;
 /// Part of the legs' work from which on energy that is unexplained is said to be.
 const UNSOUND: f64 = 0.2;
 /// Energy (J) that says nothing, however little the legs did.
@@ -71,10 +70,10 @@ impl Run {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
         let mut rows = match self.output.format() {
-            Format::Csv => Some(Rows::lines("--out", self.output.out(), header(robot))?),
+            Format::Csv => Some(Rows::open("--out", self.output.out(), header(robot))?),
             _ => None,
         };
-        let mut beside = Beside::open(self.beside(), self.seed, &mut setup)?;
+        let mut beside = Beside::open(self, &mut setup)?;
         let mut track = figure::Track::new(self.seconds);
         let mut whole = 0.0;
         let came = follow(&setup, aim, |ball| {
@@ -88,20 +87,11 @@ impl Run {
                 progress.advance(1);
             }
             let is_read = rows.as_ref().is_none_or(Rows::is_open) && beside.is_open();
-            if interrupt.came() || !is_read {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            is_read && !interrupt.came()
         })
         .map_err(|error| refused(error, robot))?;
         drop(progress);
-        if interrupt.came() {
-            let at = digits(came.rolled.time, 6);
-            message(&format!(
-                "interrupted at {at} s: the answer is of the run up to there"
-            ));
-        }
+        note_interrupt(&interrupt, came.rolled.time);
         let unexplained = came.rolled.residual.abs();
         if unexplained > UNSOUND * came.rolled.work + ROUND_OFF {
             let [part, whole] = [unexplained, came.rolled.work].map(|x| digits(x, 3));
@@ -126,32 +116,19 @@ impl Run {
         }
         let drawing = || Ok(figure::drawing(&setup, self.head(robot), &track));
         self.plot.add_to(&mut files, drawing)?;
-        beside.add_to(&mut files, &setup, self.said(robot, &came))?;
+        let about = About {
+            title: self.head(robot),
+            ended: came.words(),
+            rolled: came.failure().is_none(),
+        };
+        let settings = settings_in_space(&setup, self.gait.rolling().name(), self.seed);
+        beside.add_to(&mut files, &setup, &about, settings)?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
             (true, _) => Status::Interrupted,
             (false, None) => Status::Done,
             (false, Some(_)) => Status::No,
         })
-    }
-
-    /// Where what is beside the report goes.
-    fn beside(&self) -> Places<'_> {
-        Places {
-            animate: self.animate.as_deref(),
-            mcap: self.mcap.path(),
-            telemetry: self.telemetry.as_deref(),
-        }
-    }
-
-    /// What is said there of a run.
-    fn said(&self, robot: &Robot, came: &Came) -> Said<'_> {
-        Said {
-            title: self.head(robot),
-            ended: came.words(),
-            rolled: came.failure().is_none(),
-            gait: self.gait.rolling().name(),
-        }
     }
 
     /// Refuses what only a robot in its plane does.

@@ -2,13 +2,16 @@
 
 use std::collections::VecDeque;
 
-use saltus::gait::{Footfall, Obstacle, Row, Run, Setup};
+use saltus::gait::{Footfall, Logger, Obstacle, Row, Run, Setup};
+use saltus::recording::Running;
 
 use super::held::Held;
 use super::recorder::Recorder;
-use super::rows::Rows;
+use super::rows::{Columns, Rows};
+use super::telemetry::Telemetry;
 use crate::cli::film::Film;
 use crate::interrupt::Interrupt;
+use crate::output::Stream;
 use crate::progress::Progress;
 
 /// A leg is out beyond this extension (m).
@@ -41,10 +44,9 @@ pub(super) struct Follower<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Kept {
     pub(super) rows: Option<Rows>,
-    /// Every cycle, and what is measured in it.
-    pub(super) telemetry: Option<[Rows; 2]>,
+    pub(super) telemetry: Option<(Telemetry, Logger)>,
     pub(super) film: Option<Film>,
-    pub(super) recorder: Option<Recorder>,
+    pub(super) recorder: Option<Recorder<Running<Stream>>>,
 }
 
 /// The last cycle.
@@ -228,10 +230,11 @@ impl Run for Follower<'_> {
             .for_each(|held| held.note(time, travel));
         self.boxes.iter_mut().for_each(|it| it.note(row));
         if let Some(rows) = &mut self.kept.rows {
-            rows.push(row);
+            rows.line(|line| Columns::Motion.write(row, line));
         }
-        for rows in self.kept.telemetry.iter_mut().flatten() {
-            rows.push(row);
+        if let Some((telemetry, logger)) = &mut self.kept.telemetry {
+            telemetry.cycle(|line| Columns::Telemetry.write(row, line));
+            logger.log(row, |time, values| telemetry.measured(time, values));
         }
         if let Some(line) = &mut self.line {
             let action = &row.action;
@@ -242,7 +245,7 @@ impl Run for Follower<'_> {
             film.push(row, speed);
         }
         if let Some(recorder) = &mut self.kept.recorder {
-            recorder.row(row);
+            recorder.add(|running| running.row(row));
         }
         if row.time >= self.told + 1.0 {
             self.told += 1.0;
@@ -258,7 +261,7 @@ impl Run for Follower<'_> {
             film.touch_down(footfall);
         }
         if let Some(recorder) = &mut self.kept.recorder {
-            recorder.footfall(footfall);
+            recorder.add(|running| running.footfall(footfall));
         }
     }
 
@@ -267,13 +270,11 @@ impl Run for Follower<'_> {
     }
 
     fn goes_on(&mut self) -> bool {
-        let mut files = self
-            .kept
-            .rows
-            .iter()
-            .chain(self.kept.telemetry.iter().flatten());
-        let recorder = self.kept.recorder.as_ref();
-        let is_open = files.all(Rows::is_open) && recorder.is_none_or(Recorder::is_open);
-        !self.interrupt.came() && is_open
+        let kept = &self.kept;
+        let telemetry = kept.telemetry.as_ref().map(|(telemetry, _)| telemetry);
+        !self.interrupt.came()
+            && kept.rows.as_ref().is_none_or(Rows::is_open)
+            && telemetry.is_none_or(Telemetry::is_open)
+            && kept.recorder.as_ref().is_none_or(Recorder::is_open)
     }
 }

@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::gait::{Ending, Program, Setup, When, run};
+use saltus::gait::{Ending, Logger, Program, Setup, When, run};
+use saltus::recording::Running;
 use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
@@ -36,7 +37,6 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
-pub(crate) use ensemble::{in_words, share};
 use follow::{Follower, OnTheWay, Thinned};
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};
@@ -314,9 +314,8 @@ impl Run {
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
         follower.held = Held::all(&chosen.speeds, setup.seconds);
         follower.boxes = OnTheWay::all(setup);
-        let telemetry = self.telemetry.as_deref().map(Telemetry::open).transpose()?;
         let believed = self.believed(setup)?;
-        self.open(&mut follower, setup, telemetry.as_ref())?;
+        self.open(&mut follower, setup)?;
         let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
         let kept = follower.kept();
         let report = report::Report {
@@ -329,18 +328,14 @@ impl Run {
         };
         let mut files = self.files(&report, kept.rows, kept.film)?;
         if let Some(recorder) = kept.recorder {
-            files.written(recorder.finish()?)?;
+            files.written(recorder.finish(Running::finish)?)?;
             files.check()?;
         }
-        if let (Some(folder), Some(rows)) = (telemetry, kept.telemetry) {
-            folder.publish(rows, &report, &believed)?;
+        if let Some((folder, _)) = kept.telemetry {
+            let manifest = telemetry::manifest(&report, &believed);
+            folder.publish(&believed, telemetry::settings(&report), Some(manifest))?;
         }
-        if interrupt.came() {
-            let at = digits(summary.time, 6);
-            message(&format!(
-                "interrupted at {at} s: the answer is of the run up to there"
-            ));
-        }
+        note_interrupt(&interrupt, summary.time);
         files.write()?;
         if interrupt.came() {
             return Ok(Status::Interrupted);
@@ -368,22 +363,22 @@ impl Run {
     }
 
     /// Opens what `follower` writes and keeps.
-    fn open(
-        &self,
-        follower: &mut Follower<'_>,
-        setup: &Setup,
-        telemetry: Option<&Telemetry>,
-    ) -> Result<(), CliError> {
-        let legs = setup.robot.body.legs as usize;
+    fn open(&self, follower: &mut Follower<'_>, setup: &Setup) -> Result<(), CliError> {
+        let (robot, legs) = (&setup.robot, setup.robot.body.legs as usize);
         if self.output.format() == Format::Csv {
-            let rows = Rows::open("--out", self.output.out(), Columns::Motion, legs)?;
-            follower.kept.rows = Some(rows);
+            let header = Columns::Motion.header(legs);
+            follower.kept.rows = Some(Rows::open("--out", self.output.out(), header)?);
         }
-        follower.kept.telemetry = telemetry
-            .map(|folder| folder.rows(&setup.robot))
-            .transpose()?;
+        if let Some(folder) = &self.telemetry {
+            let (cycles, logger) = (Columns::Telemetry.header(legs), Logger::new(robot));
+            let measured = format!("time_s,{}", logger.columns().join(","));
+            let telemetry = Telemetry::open(folder, cycles, measured)?;
+            follower.kept.telemetry = Some((telemetry, logger));
+        }
         if let Some(path) = self.mcap.path() {
-            follower.kept.recorder = Some(Recorder::open(path, setup)?);
+            let begin = |recording| Running::new(recording, setup);
+            let recorder = Recorder::open(path, (robot, setup.seed), begin)?;
+            follower.kept.recorder = Some(recorder);
         }
         follower.line = self.plot.is_set().then(Thinned::new);
         follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
@@ -446,6 +441,16 @@ impl Run {
         files.extend(self.mcap.path().map(|file| ("--mcap", file)));
         files.extend(self.plot.path().map(|plot| ("--plot", plot)));
         files.check()
+    }
+}
+
+/// Says so where Ctrl-C ended a run after so long (s).
+fn note_interrupt(interrupt: &Interrupt, time: f64) {
+    if interrupt.came() {
+        let at = digits(time, 6);
+        message(&format!(
+            "interrupted at {at} s: the answer is of the run up to there"
+        ));
     }
 }
 

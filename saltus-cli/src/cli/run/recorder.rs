@@ -2,36 +2,40 @@
 
 use std::path::{Path, PathBuf};
 
-use saltus::gait::{Footfall, Row, Setup};
-use saltus::recording::{Error, Origin, Recording, Running};
+use saltus::Robot;
+use saltus::recording::{Error, Origin, Recording};
 
 use crate::cli::recorded::{command, unrecorded};
 use crate::error::CliError;
 use crate::output::Stream;
 
-/// A run on its way to a file.
+/// A run on its way to a file, as a recording `R`.
 #[derive(Debug)]
-pub(super) struct Recorder {
+pub(super) struct Recorder<R> {
     path: PathBuf,
-    running: Running<Stream>,
+    recording: R,
     /// What went wrong first.
     failed: Option<Error>,
 }
 
-impl Recorder {
-    pub(super) fn open(path: &Path, setup: &Setup) -> Result<Recorder, CliError> {
+impl<R> Recorder<R> {
+    /// A recording of `robot`, as `begin` begins it, in the file at `path`. `seed` is that of all that is drawn.
+    pub(super) fn open(
+        path: &Path,
+        (robot, seed): (&Robot, u64),
+        begin: impl FnOnce(Recording<Stream>) -> Result<R, Error>,
+    ) -> Result<Recorder<R>, CliError> {
         let stream = Stream::open("--mcap", path)?;
         let command = command();
         let origin = Origin {
             command: &command,
-            seed: Some(setup.seed),
-            robot: Some(&setup.robot),
+            seed: Some(seed),
+            robot: Some(robot),
         };
-        let running =
-            Recording::new(stream, &origin).and_then(|recording| Running::new(recording, setup));
+        let recording = Recording::new(stream, &origin).and_then(begin);
         Ok(Recorder {
             path: path.into(),
-            running: running.map_err(|error| unrecorded(path, error))?,
+            recording: recording.map_err(|error| unrecorded(path, error))?,
             failed: None,
         })
     }
@@ -41,26 +45,19 @@ impl Recorder {
         self.failed.is_none()
     }
 
-    pub(super) fn row(&mut self, row: &Row<'_>) {
+    /// Adds what `add` writes.
+    pub(super) fn add(&mut self, add: impl FnOnce(&mut R) -> Result<(), Error>) {
         if self.failed.is_none() {
-            self.failed = self.running.row(row).err();
+            self.failed = add(&mut self.recording).err();
         }
     }
 
-    pub(super) fn footfall(&mut self, footfall: &Footfall) {
-        if self.failed.is_none() {
-            self.failed = self.running.footfall(footfall).err();
-        }
-    }
-
-    /// The file to publish.
-    pub(super) fn finish(self) -> Result<Stream, CliError> {
-        let Recorder {
-            path,
-            running,
-            failed,
-        } = self;
-        let finished = failed.map_or_else(|| running.finish(), Err);
-        finished.map_err(|error| unrecorded(&path, error))
+    /// The file to publish, once `finish` has ended the recording.
+    pub(super) fn finish(
+        self,
+        finish: impl FnOnce(R) -> Result<Stream, Error>,
+    ) -> Result<Stream, CliError> {
+        let finished = self.failed.map_or_else(|| finish(self.recording), Err);
+        finished.map_err(|error| unrecorded(&self.path, error))
     }
 }

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
-use saltus::Robot;
-use saltus::gait::{Logger, Row};
+use saltus::gait::Row;
 
 use crate::error::CliError;
 use crate::output::{Stream, full};
@@ -30,9 +29,6 @@ enum Sink {
 /// Rows on their way to a file or to the screen.
 #[derive(Debug)]
 pub(super) struct Rows {
-    columns: Columns,
-    /// What makes rows of measured data, in the place of the columns.
-    logger: Option<Logger>,
     sink: Sink,
     line: String,
     /// What went wrong first.
@@ -40,34 +36,8 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// To `path`, which `flag` names, or to the screen; `legs` is how many there are.
+    /// To `path`, which `flag` names, or to the screen, under `header`.
     pub(super) fn open(
-        flag: &'static str,
-        path: Option<&Path>,
-        columns: Columns,
-        legs: usize,
-    ) -> Result<Rows, CliError> {
-        let sink = match path.filter(|path| *path != Path::new("-")) {
-            Some(path) => Sink::File(Stream::open(flag, path)?),
-            None => Sink::Screen(io::BufWriter::new(Screen)),
-        };
-        Ok(Rows::with(columns, None, sink, columns.header(legs)))
-    }
-
-    /// What the instruments of `robot` measure, to the file at `path`, which `flag` names.
-    pub(super) fn measured(
-        flag: &'static str,
-        path: &Path,
-        robot: &Robot,
-    ) -> Result<Rows, CliError> {
-        let logger = Logger::new(robot);
-        let header = format!("time_s,{}", logger.columns().join(","));
-        let sink = Sink::File(Stream::open(flag, path)?);
-        Ok(Rows::with(Columns::Motion, Some(logger), sink, header))
-    }
-
-    /// Rows of another kind under `header`, which are sent as lines; `flag` names the path.
-    pub(super) fn lines(
         flag: &'static str,
         path: Option<&Path>,
         header: String,
@@ -76,7 +46,13 @@ impl Rows {
             Some(path) => Sink::File(Stream::open(flag, path)?),
             None => Sink::Screen(io::BufWriter::new(Screen)),
         };
-        Ok(Rows::with(Columns::Motion, None, sink, header))
+        let mut rows = Rows {
+            sink,
+            line: header,
+            failed: None,
+        };
+        rows.send();
+        Ok(rows)
     }
 
     /// Sends the line that `write` makes.
@@ -86,44 +62,22 @@ impl Rows {
         self.send();
     }
 
-    fn with(columns: Columns, logger: Option<Logger>, sink: Sink, header: String) -> Rows {
-        let mut rows = Rows {
-            columns,
-            logger,
-            sink,
-            line: header,
-            failed: None,
-        };
-        rows.send();
-        rows
+    /// Sends what is measured at a time (s); what is not is an empty cell.
+    pub(super) fn measured(&mut self, time: f64, values: &[f64]) {
+        self.line(|line| {
+            line.push_str(&full(time));
+            for value in values {
+                line.push(',');
+                if value.is_finite() {
+                    line.push_str(&full(*value));
+                }
+            }
+        });
     }
 
     /// Whether somebody still reads them.
     pub(super) fn is_open(&self) -> bool {
         self.failed.is_none()
-    }
-
-    /// Writes a cycle.
-    pub(super) fn push(&mut self, row: &Row<'_>) {
-        let Some(mut logger) = self.logger.take() else {
-            self.line.clear();
-            self.columns.write(row, &mut self.line);
-            self.send();
-            return;
-        };
-        logger.log(row, |time, values| {
-            self.line.clear();
-            self.line.push_str(&full(time));
-            for value in values {
-                self.line.push(',');
-                // What is not measured is an empty cell.
-                if value.is_finite() {
-                    self.line.push_str(&full(*value));
-                }
-            }
-            self.send();
-        });
-        self.logger = Some(logger);
     }
 
     fn send(&mut self) {
@@ -158,7 +112,7 @@ impl Rows {
 
 impl Columns {
     /// The names of the columns, which end with their units.
-    fn header(self, legs: usize) -> String {
+    pub(super) fn header(self, legs: usize) -> String {
         let mut text = String::from(
             "time_s,x_m,height_m,vx_m_s,vz_m_s,wheel_angle_rad,wheel_rate_rad_s,leg_in_zone,lean_rad,\
              filtered_rate_rad_s,firing_angle_rad,fired_leg,valve_open_s,stalled",
@@ -179,7 +133,8 @@ impl Columns {
         text
     }
 
-    fn write(self, row: &Row<'_>, text: &mut String) {
+    /// Writes the cycle of `row`.
+    pub(super) fn write(self, row: &Row<'_>, text: &mut String) {
         let action = &row.action;
         let number = |text: &mut String, x: f64| {
             text.push_str(&full(x));

@@ -3,7 +3,6 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use saltus::Robot;
@@ -13,7 +12,7 @@ use saltus::robot::Drive;
 use saltus::temporary::{self, Temporary};
 
 use super::report::Report;
-use super::rows::{Columns, Rows};
+use super::rows::Rows;
 use crate::error::CliError;
 use crate::output::{Files, full};
 
@@ -30,11 +29,17 @@ pub(super) struct Telemetry {
     /// Whether it was made for this.
     is_new: bool,
     staged: Option<Temporary>,
+    /// Every cycle, and what is measured in it.
+    rows: Vec<Rows>,
 }
 
 impl Telemetry {
-    /// Opens `folder`, new or empty.
-    pub(super) fn open(folder: &Path) -> Result<Telemetry, CliError> {
+    /// Opens `folder`, new or empty, for rows under these headers.
+    pub(super) fn open(
+        folder: &Path,
+        cycles: String,
+        measured: String,
+    ) -> Result<Telemetry, CliError> {
         let failed = |error| CliError::write(folder, error);
         let is_new = !folder.exists();
         fs::create_dir_all(folder).map_err(failed)?;
@@ -42,91 +47,66 @@ impl Telemetry {
             folder: folder.into(),
             is_new,
             staged: None,
+            rows: Vec::new(),
         };
         temporary::sweep(folder);
         if fs::read_dir(folder).map_err(failed)?.next().is_some() {
             let allowed = "a new or an empty folder";
             return Err(CliError::flag("--telemetry", folder.display(), allowed));
         }
-        telemetry.staged = Some(Temporary::folder_in(folder).map_err(failed)?);
+        let staged = Temporary::folder_in(folder).map_err(failed)?;
+        for (name, header) in [(CYCLES, cycles), (ROWS, measured)] {
+            let file = staged.path().join(name);
+            let rows = Rows::open("--telemetry", Some(&file), header)?;
+            telemetry.rows.push(rows);
+        }
+        telemetry.staged = Some(staged);
         Ok(telemetry)
     }
 
-    fn staged(&self) -> Result<&Path, CliError> {
-        let staged = self.staged.as_ref().map(Temporary::path);
-        staged
-            .ok_or_else(|| CliError::write(&self.folder, io::Error::from(io::ErrorKind::NotFound)))
+    /// Adds the line of a cycle that `write` makes.
+    pub(super) fn cycle(&mut self, write: impl FnOnce(&mut String)) {
+        self.rows[0].line(write);
     }
 
-    /// Where the cycles of `robot` go, and what is measured in them.
-    pub(super) fn rows(&self, robot: &Robot) -> Result<[Rows; 2], CliError> {
-        let legs = robot.body.legs as usize;
-        let staged = self.staged()?;
-        let cycles = staged.join(CYCLES);
-        Ok([
-            Rows::open("--telemetry", Some(&cycles), Columns::Telemetry, legs)?,
-            Rows::measured("--telemetry", &staged.join(ROWS), robot)?,
-        ])
+    /// Adds what is measured at a time (s).
+    pub(super) fn measured(&mut self, time: f64, values: &[f64]) {
+        self.rows[1].measured(time, values);
     }
 
-    /// Where the cycles of a robot in space go, under the header `cycles`, and what is measured in them, under `measured`.
-    pub(super) fn rows_in_space(
-        &self,
-        cycles: String,
-        measured: String,
-    ) -> Result<[Rows; 2], CliError> {
-        let staged = self.staged()?;
-        let open =
-            |name: &str, header| Rows::lines("--telemetry", Some(&staged.join(name)), header);
-        Ok([open(CYCLES, cycles)?, open(ROWS, measured)?])
+    /// Whether its files still take what comes.
+    pub(super) fn is_open(&self) -> bool {
+        self.rows.iter().all(Rows::is_open)
     }
 
-    /// Puts all files in their place, the manifest last.
-    ///
-    /// The data name `believed`, which need not be the robot that ran.
+    /// Puts all files in their place, the manifest last: without one, nothing reads the data. They name `robot`, which need not
+    /// be the one that ran.
     pub(super) fn publish(
-        self,
-        rows: [Rows; 2],
-        report: &Report<'_>,
-        believed: &Robot,
-    ) -> Result<(), CliError> {
-        let texts = [
-            (ROBOT, believed.to_toml()),
-            (SETTINGS, settings(report)),
-            (MANIFEST, manifest(report, believed)),
-        ];
-        self.place(rows, &texts)
-    }
-
-    /// Puts the files of the run of a robot in space in their place, without a manifest: nothing reads it.
-    pub(super) fn publish_in_space(
-        self,
-        rows: [Rows; 2],
+        mut self,
         robot: &Robot,
         settings: String,
+        manifest: Option<String>,
     ) -> Result<(), CliError> {
-        self.place(rows, &[(ROBOT, robot.to_toml()), (SETTINGS, settings)])
-    }
-
-    /// Puts the rows and then `texts` in their place.
-    fn place(mut self, rows: [Rows; 2], texts: &[(&str, String)]) -> Result<(), CliError> {
-        let staged = self.staged()?.to_owned();
+        let Some(staged) = self.staged.take() else {
+            return Ok(());
+        };
         let mut files = Files::default();
-        for rows in rows {
+        for rows in self.rows.drain(..) {
             if let Some(stream) = rows.finish()? {
                 files.written(stream)?;
             }
         }
-        for (name, text) in texts {
-            files.add("--telemetry", &staged.join(name), text.clone().into_bytes());
+        let mut names = vec![ROWS, CYCLES];
+        let texts = [(ROBOT, robot.to_toml()), (SETTINGS, settings)];
+        let manifest = manifest.map(|text| (MANIFEST, text));
+        for (name, text) in texts.into_iter().chain(manifest) {
+            files.add("--telemetry", &staged.path().join(name), text.into_bytes());
+            names.push(name);
         }
         files.write()?;
-        for name in [ROWS, CYCLES]
-            .into_iter()
-            .chain(texts.iter().map(|(name, _)| *name))
-        {
+        for name in names {
             let place = self.folder.join(name);
-            fs::rename(staged.join(name), &place)
+            fs::rename(staged.path().join(name), &place)
                 .map_err(|error| CliError::write(&place, error))?;
         }
         self.is_new = false;
@@ -136,6 +116,7 @@ impl Telemetry {
 
 impl Drop for Telemetry {
     fn drop(&mut self) {
+        self.rows.clear();
         self.staged = None;
         if self.is_new {
             // Only an empty folder goes.
@@ -145,7 +126,7 @@ impl Drop for Telemetry {
 }
 
 /// The text of `experiment.toml`: what an operator knows who believes that `believed` runs.
-fn manifest(report: &Report<'_>, believed: &Robot) -> String {
+pub(super) fn manifest(report: &Report<'_>, believed: &Robot) -> String {
     let robot = &report.setup.robot;
     let mut text = format!(
         "# {}\nkind = \"run\"\nrobot = \"{ROBOT}\"\n",
@@ -176,7 +157,7 @@ fn manifest(report: &Report<'_>, believed: &Robot) -> String {
 }
 
 /// The text of `settings.toml`: how the run was set, and the size of each count of `cycles.csv`.
-fn settings(report: &Report<'_>) -> String {
+pub(super) fn settings(report: &Report<'_>) -> String {
     let setup = report.setup;
     let sensors = setup.sensors();
     let one = instruments(&sensors);

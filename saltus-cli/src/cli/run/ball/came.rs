@@ -1,7 +1,5 @@
 //! What became of a ball.
 
-use std::ops::ControlFlow;
-
 use saltus::gait::GaitError;
 use saltus::gait::space::{Ball, FALLS, Gait, Led, Left, Roll, Rolled, roll};
 
@@ -79,11 +77,7 @@ pub(super) struct Came {
 pub(super) type Outcome = Result<Came, GaitError>;
 
 /// Rolls until the end, or as long as `goes_on` says.
-pub(super) fn follow(
-    setup: &Roll,
-    aim: Aim,
-    mut goes_on: impl FnMut(&Ball) -> ControlFlow<()>,
-) -> Outcome {
+pub(super) fn follow(setup: &Roll, aim: Aim, mut goes_on: impl FnMut(&Ball) -> bool) -> Outcome {
     let line = match &setup.gait {
         Gait::Stable(stable) => stable.line,
         Gait::Steered(steered) => steered.path[0][1].atan2(steered.path[0][0]),
@@ -123,7 +117,7 @@ pub(super) fn follow(
         let stands = ball.time > since + patience.min(setup.seconds - 1e-6);
         came.stands = stands.then_some(since);
         let ends = falls && (stands || ball.rolling.roll.abs() > FALLS);
-        goes_on(ball).is_continue() && !ends && !has_arrived
+        goes_on(ball) && !ends && !has_arrived
     })?;
     Ok(came)
 }

@@ -1,7 +1,6 @@
 //! Drawn robots in space, and the shares of them that do what they should.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 
 use saltus::gait::space::{DrawnBalls, Knows, Roll, drawn_ball, roll};
 use saltus::numeric::parallel;
@@ -19,7 +18,7 @@ use crate::output::{self, Cell, Files, Format, Table, digits};
 use crate::progress::Progress;
 
 /// How soon (s) a robot that was thrown down should run again.
-pub(super) const SOON: f64 = 10.0;
+const SOON: f64 = 10.0;
 
 const COLUMNS: &[&str] = &[
     "robot",
@@ -38,10 +37,10 @@ const COLUMNS: &[&str] = &[
 ];
 
 /// A share that is told: its key, and its name in words.
-pub(super) struct Told {
-    pub(super) key: &'static str,
-    pub(super) words: String,
-    pub(super) share: Share,
+struct Told {
+    key: &'static str,
+    words: String,
+    share: Share,
 }
 
 impl Run {
@@ -62,7 +61,7 @@ impl Run {
                 *seed = seed.wrapping_add(k as u64);
             }
             own.start.thrown = self.thrown(k);
-            let came = follow(&own, aim, |_| ControlFlow::Continue(()));
+            let came = follow(&own, aim, |_| true);
             progress.advance(1);
             came
         });
@@ -140,7 +139,7 @@ impl Run {
 }
 
 /// What is told of robots that ran for `aim`.
-pub(super) fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
+fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
     let share = |did: &dyn Fn(&Came) -> bool| Share {
         count: runs.iter().flatten().filter(|came| did(came)).count(),
         of: runs.len(),

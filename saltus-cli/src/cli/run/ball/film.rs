@@ -1,7 +1,6 @@
 //! What a page that plays the run of a ball shows, frame by frame.
 
-use saltus::Robot;
-use saltus::gait::space::{Ball, Roll};
+use saltus::gait::space::{Ball, Gait, Roll};
 use saltus::robot::space::Factors;
 use serde_json::{Value, json};
 
@@ -14,10 +13,6 @@ pub(super) struct About {
     pub(super) ended: String,
     /// Whether it came to the end.
     pub(super) rolled: bool,
-    /// Heading (rad) of the line that it follows, if it follows one.
-    pub(super) line: Option<f64>,
-    /// Points (m) of the path that it follows, if it follows one.
-    pub(super) path: Option<Vec<[f64; 2]>>,
 }
 
 /// Most frames of a page: 200 in a second of the longest one.
@@ -42,7 +37,9 @@ pub(super) struct Film {
     touching: Vec<u8>,
     /// Since when (s) the disc has which axis, in the body's axes.
     axes: Vec<(f64, [f64; 3])>,
-    /// A place of the line that it follows, (m) along the first heading and to its left.
+    /// Heading (rad) of the line that it follows, if it follows one.
+    line: Option<f64>,
+    /// A place of that line, (m) along the first heading and to its left.
     on_line: Option<[f64; 2]>,
     /// When and how long (s) which leg is fired.
     firings: Vec<(f64, f64, u32)>,
@@ -80,6 +77,10 @@ impl Film {
             forces: Vec::new(),
             touching: Vec::new(),
             axes: Vec::new(),
+            line: match &setup.gait {
+                Gait::Stable(stable) => Some(stable.line),
+                Gait::Disc(_) | Gait::Steered(_) => None,
+            },
             on_line: None,
             firings: Vec::new(),
             touch_downs: Vec::new(),
@@ -92,7 +93,7 @@ impl Film {
         self.every
     }
 
-    pub(super) fn push(&mut self, ball: &Ball, line: Option<f64>) {
+    pub(super) fn push(&mut self, ball: &Ball) {
         for firing in &ball.fired {
             self.firings.push((ball.time, firing.open, firing.leg));
         }
@@ -104,7 +105,7 @@ impl Film {
         if self.axes.last().is_none_or(|(_, axis)| *axis != ball.axis) {
             self.axes.push((ball.time, ball.axis));
         }
-        if let (None, Some(line), true) = (self.on_line, line, ball.aside != 0.0) {
+        if let (None, Some(line), true) = (self.on_line, self.line, ball.aside != 0.0) {
             let ([x, y, _], (sine, cosine)) = (ball.place, line.sin_cos());
             self.on_line = Some([x + ball.aside * sine, y - ball.aside * cosine]);
         }
@@ -135,7 +136,12 @@ impl Film {
     }
 
     /// The page that plays it.
-    pub(super) fn page(self, robot: &Robot, about: &About) -> String {
+    pub(super) fn page(self, setup: &Roll, about: &About) -> String {
+        let robot = &setup.robot;
+        let path = match &setup.gait {
+            Gait::Steered(steered) => Some(&steered.path),
+            Gait::Stable(_) | Gait::Disc(_) => None,
+        };
         let [_, rod] = sizes(robot);
         let space = robot.space.as_ref();
         let factors = space.map(|space| space.legs.as_slice()).unwrap_or_default();
@@ -154,9 +160,9 @@ impl Film {
             "title": about.title,
             "ended": about.ended,
             "rolled": about.rolled,
-            "line_rad": about.line,
+            "line_rad": self.line,
             "on_line_m": self.on_line,
-            "path_m": about.path,
+            "path_m": path,
             "radius_m": robot.body.radius,
             "rod_length_m": rod,
             "rod_radius_m": robot.leg.body.radius,

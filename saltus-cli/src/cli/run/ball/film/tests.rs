@@ -11,8 +11,6 @@ fn about(title: &str) -> About {
         title: title.into(),
         ended: "rolled to the end".into(),
         rolled: true,
-        line: Some(0.0),
-        path: None,
     }
 }
 
@@ -25,12 +23,12 @@ fn filmed(seconds: f64) -> (Roll, Vec<Ball>, String) {
     setup.forces_every = film.every();
     let mut balls = Vec::new();
     roll(&setup, |ball| {
-        film.push(ball, Some(0.0));
+        film.push(ball);
         balls.push(ball.clone());
         true
     })
     .unwrap();
-    let page = film.page(&setup.robot, &about("</script><script>alert(1)"));
+    let page = film.page(&setup, &about("</script><script>alert(1)"));
     (setup, balls, page)
 }
 
@@ -158,9 +156,9 @@ fn a_minute_is_small_and_smooth() {
     for cycle in 0..=60_000_usize {
         let mut ball = balls[cycle % balls.len()].clone();
         ball.time = cycle as f64 * 1e-3;
-        film.push(&ball, None);
+        film.push(&ball);
     }
-    let page = film.page(&setup.robot, &about("a minute"));
+    let page = film.page(&setup, &about("a minute"));
     assert!(page.len() < 20_000_000, "{} bytes", page.len());
     let frames = scene(&page)["frames"].as_u64().unwrap();
     assert!((60 * 30..=MOST + 1).contains(&frames), "{frames} frames");
