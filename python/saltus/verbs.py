@@ -227,8 +227,6 @@ def run(
     knots: Sequence[tuple[float, float, float]] | None = None,
     aim: str | None = None,
     speed: Sequence[Span] | None = None,
-    distance_m: float | None = None,
-    refinements: int | None = None,
     zone_rad: float | None = None,
     direction: str | None = None,
     taps: ArrayLike | None = None,
@@ -239,7 +237,6 @@ def run(
     seed: int | None = None,
     robots: int | None = None,
     drawn_across: float | None = None,
-    analyse: bool | str = False,
     telemetry: PathLike | None = None,
     believed: RobotLike | None = None,
     rows: bool = False,
@@ -253,8 +250,8 @@ def run(
     """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
 
     `policy` is a file that `saltus learn --out` wrote. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
-    for each cycle, as `--format csv` does (one robot in its plane, no analysis). `heading_rad`, `path` (a CSV file) and `truth` are
-    of a robot in space."""
+    for each cycle, as `--format csv` does (one robot in its plane). `heading_rad`, `path` (a CSV file) and `truth` are of a
+    robot in space."""
     arguments = {name: value for name, value in locals().items() if name != "rows"}
     if not rows:
         return ask("run", (), arguments)
@@ -296,12 +293,10 @@ def learn(
     alpha: float | None = None,
     gamma: float | None = None,
     lambda_: float | None = None,
-    replacing: bool = False,
     epsilon: float | None = None,
     decay: float | None = None,
     reward: Mapping[str, float] | Sequence[str] = (),
     state: Mapping[str, tuple[float, float, int]] | Sequence[str] = (),
-    tilings: int | None = None,
     episodes: int | None = None,
     steps: int | None = None,
     seeds: int | None = None,
@@ -428,8 +423,6 @@ def export(
     to_rad: float | None = None,
     knots: Sequence[tuple[float, float, float]] | None = None,
     aim: str | None = None,
-    goal_m: float | None = None,
-    refinements: int | None = None,
     zone_rad: float | None = None,
     taps: ArrayLike | None = None,
     plant: RobotLike | None = None,

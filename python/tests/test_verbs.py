@@ -60,13 +60,9 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.learn("run-zone", episodes=2, seeds=2, lambda_=0.8, reward={"rate": 1, "threshold:2": 0.5}),
         "learn run-zone --episodes 2 --seeds 2 --lambda 0.8 --reward rate=1 --reward threshold:2=0.5".split(),
     ),
-    "learn a law": (
-        lambda: saltus.learn("run-stride", algorithm="bayes", episodes=3, seeds=1),
-        "learn run-stride --algorithm bayes --episodes 3 --seeds 1".split(),
-    ),
-    "learn in tilings": (
-        lambda: saltus.learn("run-zone", episodes=2, seeds=1, tilings=4, state={"wheel_rate": (-5, 20, 8)}),
-        "learn run-zone --episodes 2 --seeds 1 --tilings 4 --state wheel_rate=-5:20:8".split(),
+    "learn strides": (
+        lambda: saltus.learn("run-stride", algorithm="sarsa", episodes=3, seeds=1, state={"wheel_rate": (-5, 20, 8)}),
+        "learn run-stride --algorithm sarsa --episodes 3 --seeds 1 --state wheel_rate=-5:20:8".split(),
     ),
 }
 

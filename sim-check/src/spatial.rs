@@ -170,12 +170,6 @@ impl Inertia {
         }
     }
 
-    /// Moments of inertia about the origin (kg m²).
-    pub fn about_origin(&self) -> Matrix3<f64> {
-        let [xx, yy, zz, xy, xz, yz] = self.second;
-        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-    }
-
     /// Momentum at velocity `v`, or the wrench that gives the acceleration `v` to a body at rest.
     #[inline]
     pub fn times(&self, v: &Motion) -> Wrench {

@@ -31,7 +31,7 @@ class Learnt:
         self.values = [0.0] * self.table["table_size"]
         for place, value in self.table["values"]:
             self.values[place] = value
-        self.task, self.is_law = self.file["task"], self.file["algorithm"] in ("bayes", "cma-es")
+        self.task = self.file["task"]
 
     def choice(self, observed):
         state = count = 0
@@ -42,11 +42,6 @@ class Learnt:
         actions = len(self.values) // math.prod(axis["steps"] for axis in self.file["states"])
         row = self.values[state * actions : (state + 1) * actions]
         return row.index(max(row))
-
-    def law(self, rate):
-        """Firing angle (rad) and valve opening time (s): the smooth law of docs/running.md."""
-        at = lambda first, last, half: last + (first - last) / (1 + (rate / half) ** 2)
-        return at(*self.values[:3]), at(*self.values[3:])
 
 
 class Controller:
@@ -74,8 +69,6 @@ class Controller:
         else:
             if enters:
                 self.firing = self.stride(omega, lean, BOOM * round(q[1] / BOOM))
-            elif learnt.is_law and self.firing:
-                self.firing = learnt.law(omega)
             if self.firing and self.firing[1] > 0 and lean >= self.firing[0]:
                 robot.fire(entry % robot.count, self.firing[1])
                 self.firing = None
@@ -83,8 +76,6 @@ class Controller:
 
     def stride(self, omega, lean, pivot):
         """Firing angle and valve opening time of the leg that has entered the zone."""
-        if self.learnt.is_law:
-            return self.learnt.law(omega)
         way = self.travels[-1] - self.travels[0]
         speed = way / (max(len(self.travels) - 1, 1) * TICK)
         angles, times = GRID
