@@ -70,7 +70,7 @@ impl Episodes {
             let names = Task::ALL.map(Task::name).join(", ");
             bad(format_args!("task = {task:?}: one of {names}"))
         })?;
-        let mut settings = known.settings(robot.model.clone(), known.method());
+        let mut settings = known.settings(robot.model.clone(), known.algorithm());
         if !reward.is_empty() {
             settings.reward = Reward(reward.iter().map(term).collect::<PyResult<_>>()?);
         }

@@ -20,7 +20,7 @@ use super::report::approximate;
 use super::rows::Rows;
 use super::telemetry::settings_in_space;
 use super::{Run, note_interrupt};
-use crate::cli::{Place, Status};
+use crate::cli::Status;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Files, Format, digits, full, message};
