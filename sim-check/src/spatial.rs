@@ -67,16 +67,6 @@ impl Motion {
     }
 }
 
-impl Wrench {
-    /// The `force` (N) that acts at `point` (m).
-    pub fn at(point: &Vec3, force: Vec3) -> Wrench {
-        Wrench {
-            moment: point.cross(&force),
-            force,
-        }
-    }
-}
-
 impl Add for Motion {
     type Output = Motion;
     #[inline]
@@ -168,12 +158,6 @@ impl Inertia {
                 product(1, 2),
             ],
         }
-    }
-
-    /// Moments of inertia about the origin (kg m²).
-    pub fn about_origin(&self) -> Matrix3<f64> {
-        let [xx, yy, zz, xy, xz, yz] = self.second;
-        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
     /// Momentum at velocity `v`, or the wrench that gives the acceleration `v` to a body at rest.
