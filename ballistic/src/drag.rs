@@ -39,26 +39,24 @@ impl<S: Single> DragFlight<S> {
     /// Position [x, y] (m) of the wheel's centre at time `t` (s) after lift-off; not a number for t
     /// < 0 if there is drag.
     pub fn position(&self, t: S) -> [S; 2] {
-        if self.is_vacuum() {
-            self.vacuum.position(t)
-        } else {
-            Track::new(self, t.value()).node(t).position()
-        }
+        self.motion(t)[0]
     }
 
     /// Velocity [v_x, v_y] (m/s) of the wheel's centre at time `t` (s) after lift-off; not a number
     /// for t < 0 if there is drag.
     pub fn velocity(&self, t: S) -> [S; 2] {
-        if self.is_vacuum() {
-            self.vacuum.velocity(t)
-        } else {
-            Track::new(self, t.value()).node(t).velocity()
-        }
+        self.motion(t)[1]
     }
 
-    /// Position (m) and velocity (m/s) of the wheel's centre at time `t` (s) after lift-off.
+    /// Position and velocity, as [`position`](DragFlight::position) and
+    /// [`velocity`](DragFlight::velocity).
     pub fn motion(&self, t: S) -> [[S; 2]; 2] {
-        [self.position(t), self.velocity(t)]
+        if self.is_vacuum() {
+            [self.vacuum.position(t), self.vacuum.velocity(t)]
+        } else {
+            let node = Track::new(self, t.value()).node(t);
+            [node.position(), node.velocity()]
+        }
     }
 
     /// The same flight from a place `by` (m) farther along.

@@ -34,8 +34,6 @@ pub struct Drawn {
     pub tank: TankState,
     /// Gas (kg) that left the tank.
     pub mass: f64,
-    /// Heat (J) from the walls of chamber and tank.
-    pub heat: f64,
     /// What mass (kg) and energy (J) do not add up to, over tank, tube, chamber and atmosphere, in
     /// parts of all that was in them: round-off, and the errors of the steps.
     pub residuals: [f64; 2],
@@ -141,7 +139,6 @@ impl Stance<f64> {
                     temperature: feed.tank_temperature(after),
                 },
                 mass: start.mass - after.mass,
-                heat: y[HEAT],
                 residuals: [
                     (held.mass + after.mass + vented[0] - mass) / mass,
                     (left - stored) / stored,

@@ -26,7 +26,6 @@ mod observer;
 mod pendulum;
 mod phase;
 mod stance;
-mod touch_down;
 mod trace;
 
 pub use batch::Batch;
@@ -35,5 +34,4 @@ pub use error::StanceError;
 pub use fed::{Drawn, FromTank, TankState};
 pub use saltus_robot::{Launch, LiftOff, Outcome};
 pub use stance::{FINE, Reaction, Stance};
-pub use touch_down::TouchDown;
 pub use trace::{EnergyLedger, Sample, Trace};

@@ -48,11 +48,6 @@ impl Lanes {
         self.zip(other, |x, y| f64::from_bits(f(x.to_bits(), y.to_bits())))
     }
 
-    /// The mask whose lanes are `holds`.
-    pub fn mask(holds: [bool; LANES]) -> Lanes {
-        Lanes(holds.map(ones))
-    }
-
     /// The numbers.
     pub fn to_array(self) -> [f64; LANES] {
         self.0

@@ -227,7 +227,7 @@ mod tests {
             leg.plain.reach = [0.03, slope, 0.0, 0.0, 0.0];
             leg.plain.most = Muscle::rising_to(leg.plain.reach, 4.5e5);
             assert_eq!(leg.plain.free_contraction(2e5), 0.03);
-            let pull = leg.plain.pull(0.008, 2e5);
+            let pull = leg.plain.at(2e5).pull(0.008);
             assert!(pull > 0.0 && (leg.at(0.01, 2e5).force[0] - 0.8 * pull).abs() < 1e-9 * pull);
         }
     }
@@ -242,7 +242,7 @@ mod tests {
                     let pull = leg.plain.pull_through(leg.compliance, leg.lever * d, p);
                     assert!((found.force[0] - leg.lever * pull).abs() < 1e-6 * (1.0 + pull));
                     let x = leg.lever * d + leg.compliance * pull;
-                    let volume = leg.plain.volume(x, p);
+                    let volume = leg.plain.at(p).volume(x);
                     assert!((found.volume[0] - volume).abs() < 1e-9 * volume, "{d} {p}");
                     let (h, k) = (1e-6, 1.0);
                     for (what, of) in [("force", 0), ("volume", 1)] {

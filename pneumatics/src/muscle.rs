@@ -59,21 +59,6 @@ impl Muscle {
         }
     }
 
-    /// Pull (N), ≥ 0, at the contraction `x` (m; below 0 it is stretched) and a gauge pressure (Pa).
-    pub fn pull(&self, x: f64, pressure: f64) -> f64 {
-        self.at(pressure).pull(x)
-    }
-
-    /// How the pull changes with the contraction (N/m).
-    pub fn stiffness(&self, x: f64, pressure: f64) -> f64 {
-        self.at(pressure).stiffness(x)
-    }
-
-    /// Volume (m³) at the contraction `x` (m) and a gauge pressure (Pa).
-    pub fn volume(&self, x: f64, pressure: f64) -> f64 {
-        self.at(pressure).volume(x)
-    }
-
     /// Pull (N) at a gauge pressure (Pa), where the joint has let the muscle come in by `travel` (m)
     /// and a spring of `compliance` (m/N) in series lets it come in further.
     pub fn pull_through(&self, compliance: f64, travel: f64, pressure: f64) -> f64 {

@@ -36,125 +36,44 @@ type State = (&'static str, Vec<Option<f64>>);
 /// Outcomes by their place in `OUTCOMES`, and the columns of numbers.
 type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Vec<Bound<'py, PyArray1<f64>>>);
 
-/// One jump.
-#[pyclass(frozen, module = "saltus._saltus", get_all)]
-pub(crate) struct Jump {
-    omega_rad_s: f64,
-    start_lean_rad: f64,
-    alpha_f_rad: f64,
-    valve_open_s: f64,
-    outcome: &'static str,
-    t_fire_s: Option<f64>,
-    t_liftoff_s: Option<f64>,
-    phi_rad: Option<f64>,
-    omega_liftoff_rad_s: Option<f64>,
-    d_m: Option<f64>,
-    d_dot_m_s: Option<f64>,
-    pressure_pa: Option<f64>,
-    x_m: Option<f64>,
-    y_m: Option<f64>,
-    vx_m_s: Option<f64>,
-    vy_m_s: Option<f64>,
-    apex_m: Option<f64>,
-    land_rs_m: Option<f64>,
-    land_0_m: Option<f64>,
+/// A jump of these numbers: given ones, and those of what comes of it.
+macro_rules! jump {
+    ($($given:ident)*; $($number:ident)*) => {
+        /// One jump.
+        #[pyclass(frozen, module = "saltus._saltus", get_all)]
+        pub(crate) struct Jump {
+            outcome: &'static str,
+            $($given: f64,)*
+            $($number: Option<f64>,)*
+        }
+
+        /// Names of the numbers of a jump, in order.
+        const NAMES: [&str; COLUMNS + 4] =
+            [$(stringify!($given),)* $(stringify!($number),)*];
+
+        impl Jump {
+            /// Of an outcome and the numbers by [`NAMES`], NaN where there is none.
+            fn of(outcome: &'static str, numbers: [f64; COLUMNS + 4]) -> Jump {
+                let [$($given,)* $($number,)*] = numbers;
+                let known = |number: f64| (!number.is_nan()).then_some(number);
+                Jump { outcome, $($given,)* $($number: known($number),)* }
+            }
+
+            /// The numbers by [`NAMES`].
+            fn numbers(&self) -> [Option<f64>; COLUMNS + 4] {
+                [$(Some(self.$given),)* $(self.$number,)*]
+            }
+        }
+    };
 }
 
-/// Names of the numbers of a jump, in order.
-const NAMES: [&str; COLUMNS + 4] = [
-    "omega_rad_s",
-    "start_lean_rad",
-    "alpha_f_rad",
-    "valve_open_s",
-    "t_fire_s",
-    "t_liftoff_s",
-    "phi_rad",
-    "omega_liftoff_rad_s",
-    "d_m",
-    "d_dot_m_s",
-    "pressure_pa",
-    "x_m",
-    "y_m",
-    "vx_m_s",
-    "vy_m_s",
-    "apex_m",
-    "land_rs_m",
-    "land_0_m",
-];
+jump! {
+    omega_rad_s start_lean_rad alpha_f_rad valve_open_s;
+    t_fire_s t_liftoff_s phi_rad omega_liftoff_rad_s d_m d_dot_m_s pressure_pa
+    x_m y_m vx_m_s vy_m_s apex_m land_rs_m land_0_m
+}
 
 impl Jump {
-    /// Of an outcome and the numbers by [`NAMES`], NaN where there is none.
-    fn of(outcome: &'static str, numbers: [f64; COLUMNS + 4]) -> Jump {
-        let [
-            omega_rad_s,
-            start_lean_rad,
-            alpha_f_rad,
-            valve_open_s,
-            rest @ ..,
-        ] = numbers;
-        let [
-            t_fire_s,
-            t_liftoff_s,
-            phi_rad,
-            omega_liftoff_rad_s,
-            d_m,
-            d_dot_m_s,
-            pressure_pa,
-            x_m,
-            y_m,
-            vx_m_s,
-            vy_m_s,
-            apex_m,
-            land_rs_m,
-            land_0_m,
-        ] = rest.map(|number| (!number.is_nan()).then_some(number));
-        Jump {
-            omega_rad_s,
-            start_lean_rad,
-            alpha_f_rad,
-            valve_open_s,
-            outcome,
-            t_fire_s,
-            t_liftoff_s,
-            phi_rad,
-            omega_liftoff_rad_s,
-            d_m,
-            d_dot_m_s,
-            pressure_pa,
-            x_m,
-            y_m,
-            vx_m_s,
-            vy_m_s,
-            apex_m,
-            land_rs_m,
-            land_0_m,
-        }
-    }
-
-    /// The numbers by [`NAMES`].
-    fn numbers(&self) -> [Option<f64>; COLUMNS + 4] {
-        [
-            Some(self.omega_rad_s),
-            Some(self.start_lean_rad),
-            Some(self.alpha_f_rad),
-            Some(self.valve_open_s),
-            self.t_fire_s,
-            self.t_liftoff_s,
-            self.phi_rad,
-            self.omega_liftoff_rad_s,
-            self.d_m,
-            self.d_dot_m_s,
-            self.pressure_pa,
-            self.x_m,
-            self.y_m,
-            self.vx_m_s,
-            self.vy_m_s,
-            self.apex_m,
-            self.land_rs_m,
-            self.land_0_m,
-        ]
-    }
-
     fn plain(&self) -> (&'static str, [u64; COLUMNS + 4]) {
         let bits = self
             .numbers()

@@ -20,13 +20,6 @@ impl GaugePressure {
     }
 }
 
-impl AbsolutePressure {
-    /// Pressure (Pa) above `ambient`.
-    pub fn gauge(self, ambient: AbsolutePressure) -> GaugePressure {
-        GaugePressure(self.0 - ambient.0)
-    }
-}
-
 /// A robot that rolls onto a leg and fires it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Robot {

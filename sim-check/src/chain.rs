@@ -320,11 +320,6 @@ impl Chain {
         }
     }
 
-    /// Angle (rad) of a body from the world's axes.
-    pub fn angle(&self, moving: &Moving, body: usize) -> f64 {
-        moving.angles[body]
-    }
-
     /// The centre of mass (m) of all bodies.
     pub fn center(&self, moving: &Moving) -> [f64; 2] {
         let (mut whole, mut moment) = (0.0, [0.0; 2]);

@@ -304,12 +304,6 @@ pub enum Friction {
 }
 
 impl Friction {
-    /// No slip along the travel, no friction across it.
-    pub const TRAVEL_STICKS: Friction = Friction::Axes {
-        along: (f64::INFINITY, f64::INFINITY),
-        across: (0.0, 0.0),
-    };
-
     pub(crate) fn check(&self) -> Result<(), SimError> {
         let pairs = match *self {
             Friction::Cone { standing, slipping } => vec![(standing, slipping)],

@@ -67,16 +67,6 @@ impl Motion {
     }
 }
 
-impl Wrench {
-    /// The `force` (N) that acts at `point` (m).
-    pub fn at(point: &Vec3, force: Vec3) -> Wrench {
-        Wrench {
-            moment: point.cross(&force),
-            force,
-        }
-    }
-}
-
 impl Add for Motion {
     type Output = Motion;
     #[inline]

@@ -54,8 +54,6 @@ pub struct Block {
 
 /// Level of a line of a log: an information.
 pub const INFO: u8 = 20;
-/// Level of a line of a log: a warning.
-pub const WARN: u8 = 30;
 
 /// Nanoseconds of a second.
 const SECOND: u64 = 1_000_000_000;

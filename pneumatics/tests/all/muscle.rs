@@ -46,7 +46,7 @@ fn its_numbers_are_those_of_its_file() {
     // At 100 kPa: 3.0558393 + 7.58361626 − 4.91579771 + 1.42792618 − 0.154817477 cm.
     near(muscle.free_contraction(1e5), 0.06996766553, 1e-12);
     // At full length, 1.966409 N for each kPa.
-    near(muscle.pull(0.0, 2e5), 393.2818, 1e-12);
+    near(muscle.at(2e5).pull(0.0), 393.2818, 1e-12);
 }
 
 #[test]
@@ -72,15 +72,15 @@ fn without_pressure_or_past_its_reach_it_does_not_pull() {
     let muscle = muscle();
     for pressure in [-1e5, -1.0, 0.0] {
         for x in [-0.02, 0.0, 0.02, 0.2] {
-            assert_eq!(muscle.pull(x, pressure), 0.0);
-            assert_eq!(muscle.stiffness(x, pressure), 0.0);
+            assert_eq!(muscle.at(pressure).pull(x), 0.0);
+            assert_eq!(muscle.at(pressure).stiffness(x), 0.0);
             assert_eq!(muscle.pull_through(1e-4, x, pressure), 0.0);
         }
     }
     let end = muscle.free_contraction(2e5);
-    assert_eq!(muscle.pull(1.001 * end, 2e5), 0.0);
+    assert_eq!(muscle.at(2e5).pull(1.001 * end), 0.0);
     // Volume does not grow where there is no force.
-    assert_eq!(muscle.volume(2.0 * end, 2e5), muscle.volume(end, 2e5));
+    assert_eq!(muscle.at(2e5).volume(2.0 * end), muscle.at(2e5).volume(end));
 }
 
 /// `along` its reach; one in three is stretched.
@@ -101,17 +101,17 @@ proptest! {
         let muscle = muscle();
         let end = muscle.free_contraction(pressure);
         let [x, further] = [along * end, (along + more) * end];
-        let full = muscle.pull(0.0, pressure);
-        let [pull, less] = [x, further].map(|x| muscle.pull(x, pressure));
+        let full = muscle.at(pressure).pull(0.0);
+        let [pull, less] = [x, further].map(|x| muscle.at(pressure).pull(x));
         prop_assert!(less < pull || pull == 0.0, "{pull} N, then {less} N");
-        prop_assert!(muscle.stiffness(x, pressure) <= 0.0);
-        prop_assert!(muscle.volume(further, pressure) >= muscle.volume(x, pressure));
+        prop_assert!(muscle.at(pressure).stiffness(x) <= 0.0);
+        prop_assert!(muscle.at(pressure).volume(further) >= muscle.at(pressure).volume(x));
         // Where it ends, so does the slope: near there it pulls by the square of what is left.
         let left = 1e-4;
-        let near_end = muscle.pull((1.0 - left) * end, pressure);
+        let near_end = muscle.at(pressure).pull((1.0 - left) * end);
         // The force is (1 − x/end)² (a + (2a/end − b) x), at the end 3a − b end: at most 3 a.
         prop_assert!(near_end <= 3.0 * full * left * left, "{near_end} N");
-        let slope = muscle.stiffness((1.0 - left) * end, pressure);
+        let slope = muscle.at(pressure).stiffness((1.0 - left) * end);
         prop_assert!(slope.abs() <= 6.0 * full / end * left, "{slope} N/m");
     }
 
@@ -126,14 +126,14 @@ proptest! {
         // The law is of degree 3 on either side of the full length: Gauss is exact there.
         let work = |to: f64| -> f64 {
             let half = 0.5 * to;
-            let pull = |at: f64| muscle.pull(half * (1.0 + at), pressure);
+            let pull = |at: f64| muscle.at(pressure).pull(half * (1.0 + at));
             GAUSS.iter().map(|(at, weight)| weight * half * pull(*at)).sum()
         };
         let [from, to] = [from * end, to * end];
         let work = work(to) - work(from);
-        let gained = pressure * (muscle.volume(to, pressure) - muscle.volume(from, pressure));
+        let gained = pressure * (muscle.at(pressure).volume(to) - muscle.at(pressure).volume(from));
         // Round-off of volumes: 1e-16 of p V.
-        let scale = pressure * muscle.volume(end, pressure);
+        let scale = pressure * muscle.at(pressure).volume(end);
         prop_assert!((work - gained).abs() < 1e-13 * scale, "{work} J, {gained} J");
     }
 
@@ -142,12 +142,12 @@ proptest! {
         let muscle = muscle();
         let end = muscle.free_contraction(pressure);
         let (x, step) = (along * end, 1e-5 * end);
-        let ahead = muscle.pull(x + step, pressure);
-        let slope = (ahead - muscle.pull(x - step, pressure)) / (2.0 * step);
-        let scale = muscle.pull(0.0, pressure) / end;
+        let ahead = muscle.at(pressure).pull(x + step);
+        let slope = (ahead - muscle.at(pressure).pull(x - step)) / (2.0 * step);
+        let scale = muscle.at(pressure).pull(0.0) / end;
         // Central differences: 1e-10 of a third derivative; 1e-5 of a second one across the full
         // length or the end, where that jumps by up to 8 a/end².
-        let off = (slope - muscle.stiffness(x, pressure)).abs();
+        let off = (slope - muscle.at(pressure).stiffness(x)).abs();
         let across = x.abs() < step || (x - end).abs() < step;
         prop_assert!(off < scale * if across { 1e-4 } else { 1e-8 }, "{slope} N/m, off by {off}");
     }
@@ -161,13 +161,13 @@ proptest! {
     ) {
         let muscle = muscle();
         let travel = along * muscle.free_contraction(pressure);
-        let stiff = muscle.pull(travel, pressure);
+        let stiff = muscle.at(pressure).pull(travel);
         prop_assert_eq!(muscle.pull_through(0.0, travel, pressure), stiff);
         let pull = muscle.pull_through(compliance, travel, pressure);
         // What a change of the pull changes on the right, beside the change itself.
         let at = travel + compliance * pull;
-        let gain = 1.0 - compliance * muscle.stiffness(at, pressure);
-        let off = (muscle.pull(at, pressure) - pull).abs() / gain;
+        let gain = 1.0 - compliance * muscle.at(pressure).stiffness(at);
+        let off = (muscle.at(pressure).pull(at) - pull).abs() / gain;
         // Newton's last step.
         prop_assert!(off < 1e-9 * (1.0 + stiff), "{pull} N of {stiff} N, off by {off}");
         prop_assert!((0.0..=stiff).contains(&pull), "{pull} N of {stiff} N");

@@ -43,7 +43,7 @@ pub use plan::{Plan, PlanError};
 use saltus_diagnosis::plausible::implausible;
 pub use saltus_diagnosis::{Experiment, Known, Run, Sort};
 use saltus_robot::{Robot, RobotError};
-pub use write::{write, write_from, write_with};
+pub use write::{write, write_from};
 
 use error::{one_line, shown};
 use lines::Hash;

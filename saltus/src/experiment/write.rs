@@ -26,29 +26,16 @@ use saltus_diagnosis::spec::{self, Form, Setting, Spec};
 /// files cannot say: a run without a file name of its own, columns of unequal length, a number that
 /// is not finite.
 pub fn write(folder: &Path, experiment: &Experiment, robot: Option<&str>) -> Result<(), Error> {
-    write_with(folder, experiment, robot, &[])
-}
-
-/// As [`write()`], with `more` files that go with it, name and contents.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_with(
-    folder: &Path,
-    experiment: &Experiment,
-    robot: Option<&str>,
-    more: &[(&str, String)],
-) -> Result<(), Error> {
     let origin = Origin {
         command: "",
         seed: None,
         robot: None,
     };
-    write_from(folder, experiment, robot, more, &origin)
+    write_from(folder, experiment, robot, &[], &origin)
 }
 
-/// As [`write_with()`]; a run whose file ends in `.mcap` becomes an MCAP file, which says the `origin`
-/// of the data.
+/// As [`write()`], with `more` files that go with it, name and contents; a run whose file ends in
+/// `.mcap` becomes an MCAP file, which says the `origin` of the data.
 ///
 /// # Errors
 /// As [`write()`]; a run of such a name without the feature `telemetry`.

@@ -193,16 +193,16 @@ impl Plant {
         let report = self.rig()?.jump(&task.launch, &plan)?;
         let number = |x: f64| x.is_finite().then_some(x);
         let landing = number(report.landing_at);
-        let path = Path::new(
-            &report,
-            self.robot.body.radius,
-            (landing, task.landing_height),
-            task.leg_out,
-        );
-        let clearances: Vec<Clearance> = task
-            .obstacles
-            .iter()
-            .map(|solid| path.clearance(solid))
+        let height = landing.map(|_| task.landing_height);
+        let path = Path::new(&report, self.robot.body.radius, height, task.leg_out);
+        let unknown = Clearance {
+            stance: f64::NAN,
+            flight: None,
+        };
+        let clearance = |solid| path.as_ref()?.clearance(solid);
+        let clearances = task.obstacles.iter();
+        let clearances = clearances
+            .map(|solid| clearance(solid).unwrap_or(unknown))
             .collect();
         Ok(Flown {
             apex: number(report.apex),

@@ -123,7 +123,6 @@ impl Sim<'_> {
         Contact {
             point,
             surface,
-            place: touch.place,
             force: touch.normal * parts.x + touch.along * parts.y + touch.across * parts.z,
             parts,
             slip: [touch.speeds.y, touch.speeds.z],
@@ -225,8 +224,6 @@ pub struct Contact {
     pub point: usize,
     /// Number of the surface.
     pub surface: usize,
-    /// Where (m).
-    pub place: Vec3,
     /// The surface's force on the point (N), world axes.
     pub force: Vec3,
     /// Its parts along the normal, the travel and across it (N).

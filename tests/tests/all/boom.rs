@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use saltus_lagrangian::{Launch, Stance, TouchDown};
+use saltus_lagrangian::{Launch, Stance};
 use saltus_planner::Planner;
 use saltus_robot::{Boom, Counterweight, Drive, Robot};
 use saltus_tests::oracle::solve_twice;
@@ -136,22 +136,6 @@ fn an_upright_push_in_closed_form() {
     assert!((trace.energy.kinetic - 0.5 * mass * speed * speed).abs() < 1e-9);
     assert!((trace.energy.potential - weight * stroke).abs() < 1e-9);
     assert!(trace.energy.residual().abs() < 1e-9);
-}
-
-/// The moment about the foot at a plastic impact is that of wheel and boom: m + m_b/3 at the axle.
-#[test]
-fn a_touch_down_with_the_boom() {
-    let robot = rats_boom();
-    let impact = TouchDown {
-        vx: 1.5,
-        vy: -2.0,
-        spin: 3.0,
-        lean: -0.2,
-    };
-    let (rate, _) = stance(&robot).touch_down(&impact);
-    let (mass, inertia) = (2.75 + 0.5 / 3.0, robot.body.inertia);
-    let momentum = inertia * 3.0 + mass * 0.24 * (1.5 * 0.2_f64.cos() - 2.0 * 0.2_f64.sin());
-    assert!((rate - momentum / (inertia + mass * 0.24 * 0.24)).abs() < 1e-13);
 }
 
 /// Figure 5.2 with the boom as it is: hops from rest on one upright leg, as an independent
