@@ -11,7 +11,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
 from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
-from .verbs import diagnose, export, export_policy, filling, fit, inject, jump_over, jump_to, law, learn, map, parkour, plan, power, run, simulate, table, verify
+from .verbs import design, diagnose, export, export_policy, filling, fit, inject, jump_over, jump_to, law, learn, map, parkour, plan, run, simulate, table, verify
 from .sweeps import sweep
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "Robot",
     "SaltusError",
     "__version__",
+    "design",
     "diagnose",
     "export",
     "export_policy",
@@ -38,7 +39,6 @@ __all__ = [
     "map",
     "parkour",
     "plan",
-    "power",
     "run",
     "simulate",
     "sweep",

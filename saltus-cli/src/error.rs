@@ -86,7 +86,7 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Policy(#[from] saltus::learning::PolicyError),
     /// Synthetic data.
-    #[error("--inject {0}")]
+    #[error(transparent)]
     Inject(#[from] saltus::inject::Error),
     /// A robot that cannot be a rig of bodies.
     #[error(transparent)]

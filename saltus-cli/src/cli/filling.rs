@@ -38,10 +38,6 @@ pub(crate) struct FillingOf {
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "1")]
     pause: f64,
 
-    /// Jumps after which the count ends
-    #[arg(long, value_name = "COUNT", value_parser = most, default_value = "10000")]
-    most: usize,
-
     #[command(flatten)]
     terms: TermFlags,
 
@@ -93,6 +89,9 @@ const COLUMNS: &[&str] = &[
     "counts",
 ];
 
+/// Jumps after which the count ends.
+const MOST: usize = 10_000;
+
 /// Rows that the text shows: of many jumps the first and the last ones.
 const SHOWN: usize = 24;
 
@@ -124,12 +123,12 @@ impl FillingOf {
                 rate: self.omega,
                 lean,
                 firing_angle: self.alpha_f,
-                valve_open: self.terms.valve_open().unwrap_or(VALVE_OPEN),
+                valve_open: self.terms.valve_open.unwrap_or(VALVE_OPEN),
             },
             landing_height: terms.landing_height,
             clear: self.clear.unwrap_or(0.0),
             pause: self.pause,
-            most: self.most,
+            most: MOST,
         }
     }
 
@@ -145,16 +144,6 @@ impl FillingOf {
             other => CliError::content(&robot.name, other),
         }
     }
-}
-
-/// Parser of a flag.
-fn most(text: &str) -> Result<usize, String> {
-    const MOST: usize = 100_000;
-    let count = text.trim().parse().ok();
-    let allowed = |_: &usize| format!("must be a whole number from 1 to {MOST}");
-    count
-        .filter(|count| (1..=MOST).contains(count))
-        .ok_or_else(|| allowed(&0))
 }
 
 /// What the gas is called.
@@ -245,7 +234,7 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
             format!("jump {number} does not clear {clear} m")
         }
         End::NoLanding => format!("jump {number} does not come down to the landing height"),
-        End::Most => format!("the count ends at {number} (--most)"),
+        End::Most => format!("the count ends at {number}"),
     };
     let left = format!(
         "{} bar above ambient and {} K are left",

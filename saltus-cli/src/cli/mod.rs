@@ -3,12 +3,14 @@
 mod best;
 mod common;
 mod completions;
+mod design;
 mod diagnose;
 mod disturb;
 mod export;
 mod filling;
 mod film;
 mod fit;
+mod inject;
 mod jump;
 mod law;
 mod learn;
@@ -68,6 +70,8 @@ Examples:
   saltus jump --obstacle 0.16x0.21@1.3
   saltus learn run-zone --out policy.json --plot curve.svg
   saltus diagnose logs/monday --report monday.html
+  saltus inject coulomb-friction=25 --out synthetic
+  saltus design plan.toml --propose 12
   saltus fit bench/monday --robot-out fitted.toml
   saltus parkour instances.json --out plans.json
   saltus export c --distance 0.3:0.8:11 --out firmware/src
@@ -90,6 +94,8 @@ enum Command {
     Jump(jump::Jump),
     Learn(learn::Learn),
     Diagnose(diagnose::Diagnose),
+    Design(design::Design),
+    Inject(inject::Inject),
     Fit(fit::Fit),
     Parkour(parkour::Parkour),
     Export(export::Export),
@@ -148,6 +154,8 @@ impl Command {
             Command::Jump(command) => command.run(),
             Command::Learn(command) => command.run(),
             Command::Diagnose(command) => command.run(),
+            Command::Design(command) => command.run(),
+            Command::Inject(command) => command.run(),
             Command::Fit(command) => command.run(),
             Command::Parkour(command) => command.run(),
             Command::Export(command) => command.run(),

@@ -39,7 +39,80 @@ struct Moved {
     place: Place,
 }
 
-const MOVED: &[Moved] = &[];
+const fn moved(command: &'static str, words: &'static str, place: Place) -> Moved {
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
+
+const DESIGN: Place = Place::Now("saltus design PLAN.toml");
+
+const BY_ERROR: Place = Place::Gone("jumps are integrated with an error of 1e-9 in each step");
+
+const BEST_SEED: Place =
+    Place::Gone("the best seed's policy is taken; `saltus learn --seed 7 --seeds 1` has one alone");
+
+const MOVED: &[Moved] = &[
+    moved("diagnose", "--power", DESIGN),
+    moved("diagnose", "--effect", DESIGN),
+    moved("diagnose", "--propose", DESIGN),
+    moved(
+        "diagnose",
+        "--inject",
+        Place::Now("saltus inject CAUSE=VALUE --out FOLDER"),
+    ),
+    moved(
+        "diagnose",
+        "--false-alarms",
+        Place::Gone("5 % of data without an effect may be said to have one"),
+    ),
+    moved(
+        "diagnose",
+        "--samples",
+        Place::Gone("each plan of --replan is flown 200 times"),
+    ),
+    moved(
+        "plan",
+        "--no-slip",
+        Place::Gone("friction_coefficient in the course limits the friction that a stance needs"),
+    ),
+    moved(
+        "verify",
+        "--scatter",
+        Place::Gone("[errors] of the robot says what is drawn, --samples 0 draws nothing"),
+    ),
+    moved("verify", "--accuracy", BY_ERROR),
+    moved("verify", "--fixed-step", BY_ERROR),
+    moved("run", "--policy-seed", BEST_SEED),
+    moved("export", "--policy-seed", BEST_SEED),
+    moved(
+        "export",
+        "--effort",
+        Place::Gone("a squared second of open valve costs 0.01 m²/s²"),
+    ),
+    moved(
+        "export",
+        "--period",
+        Place::Gone("it is that of the robot's sensors: --set sensors.period_ms=5"),
+    ),
+    moved(
+        "filling",
+        "--most",
+        Place::Gone("the count ends at 10000 jumps"),
+    ),
+    moved(
+        "jump",
+        "--constant",
+        Place::Study("landing_scatter -- 120 30 100"),
+    ),
+    moved(
+        "jump",
+        "--greatest",
+        Place::Gone("try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160"),
+    ),
+];
 
 /// That a command line which could not be parsed asks for something that has moved.
 pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
@@ -50,7 +123,7 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
         .iter()
         .flat_map(|word| match word.split_once('=') {
             Some((flag, value)) if flag.starts_with("--") => vec![flag, value],
-            _ => vec![word],
+            _ => vec![word.as_ref()],
         })
         .collect();
     let is_asked = |moved: &&Moved| {

@@ -13,18 +13,18 @@ use crate::quantity;
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct TermFlags {
     /// Where a distance ends: `wheel`, where the wheel touches level ground, or the height (m)
-    /// above the foothold to which the wheel's centre comes down; 0 is the thesis' reading
-    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true, default_value = "wheel")]
-    landing_height: LandingHeight,
+    /// above the foothold to which the wheel's centre comes down; 0 is the thesis' reading [default: wheel]
+    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
+    pub(crate) landing_height: Option<LandingHeight>,
 
     /// Valve opening time t_v (s); of no effect for a spring, which has no valve [default: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    valve_open: Option<f64>,
+    pub(crate) valve_open: Option<f64>,
 
     /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at
-    /// this lean φ₀ (rad)
-    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true, default_value = "firing")]
-    start_lean: StartLean,
+    /// this lean φ₀ (rad) [default: firing]
+    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
+    pub(crate) start_lean: Option<StartLean>,
 }
 
 /// Where a distance ends.
@@ -71,15 +71,14 @@ impl TermFlags {
         note_valve(robot, self.valve_open.map(|_| "--valve-open"));
     }
 
-    /// Valve opening time (s), where it is given.
-    pub(crate) fn valve_open(self) -> Option<f64> {
-        self.valve_open
-    }
-
     /// The terms for `robot`.
     pub(crate) fn of(self, robot: &Robot) -> Terms {
-        let valve_open = self.valve_open.unwrap_or(VALVE_OPEN);
-        Terms::new(robot, self.landing_height, valve_open, self.start_lean)
+        Terms::new(
+            robot,
+            self.landing_height.unwrap_or(LandingHeight::Wheel),
+            self.valve_open.unwrap_or(VALVE_OPEN),
+            self.start_lean.unwrap_or(StartLean::Firing),
+        )
     }
 }
 

@@ -12,7 +12,6 @@ use super::known;
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
 use super::words::split;
-use crate::error::CliError;
 use crate::output::digits;
 use crate::plot::span;
 
@@ -27,7 +26,7 @@ const LINE: usize = 500;
 const CLOUD: usize = 1500;
 
 /// The page.
-pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, CliError> {
+pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     let curves = Curves::of(report);
     let headline = escaped(&report.headline());
     let mut out = format!(
@@ -82,9 +81,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     }
     if let Some(replan) = &report.found.replan {
         out.push_str("<h2>What it is worth on a course</h2>\n");
-        sentence(&mut out, &replan.headline());
-        table(&mut out, &replan.lines(), 1);
-        out.push_str(&replan.films()?);
+        for line in replan.lines() {
+            sentence(&mut out, &line);
+        }
     }
     curves.measured(&mut out, report);
     curves.residuals(&mut out, report);
@@ -93,7 +92,7 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     candidates(&mut out, report);
     next(&mut out, report);
     provenance(&mut out, report, folders);
-    Ok(out + "</main>\n</body>\n</html>\n")
+    out + "</main>\n</body>\n</html>\n"
 }
 
 fn sentence(out: &mut String, text: &str) {

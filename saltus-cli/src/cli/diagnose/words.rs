@@ -47,7 +47,7 @@ pub(in crate::cli) fn unit(name: &str) -> &'static str {
 }
 
 /// A name without its unit, and the unit.
-pub(super) fn split(name: &str) -> (&str, &'static str) {
+pub(in crate::cli) fn split(name: &str) -> (&str, &'static str) {
     UNITS
         .iter()
         .find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)))
@@ -55,7 +55,7 @@ pub(super) fn split(name: &str) -> (&str, &'static str) {
 }
 
 /// A number with so many digits and its unit.
-pub(super) fn with_unit(x: f64, count: usize, unit: &str) -> String {
+pub(in crate::cli) fn with_unit(x: f64, count: usize, unit: &str) -> String {
     format!("{} {unit}", digits(x, count)).trim_end().to_owned()
 }
 
@@ -124,7 +124,7 @@ pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
 
 /// Lines with their cells under each other: the first `left` columns and the last begin in line,
 /// the others end in line.
-pub(super) fn grid(lines: &[Vec<String>], left: usize) -> String {
+pub(in crate::cli) fn grid(lines: &[Vec<String>], left: usize) -> String {
     let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
     let width = |i: usize| {
         lines

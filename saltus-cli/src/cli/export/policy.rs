@@ -8,12 +8,12 @@ use saltus::gait::Setup;
 use saltus::gait::learn::Task;
 use saltus::learning;
 
-use super::tables::{RealType, identifier};
+use super::tables::identifier;
+use super::{Real, RealType};
 use crate::cli::Status;
-use crate::cli::common::seed;
+use crate::cli::common::OutFolder;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
-use crate::output::{Files, reachable_folder};
 
 /// Write what `saltus learn` learnt as a table in C99 or Rust
 #[derive(Args, Debug)]
@@ -27,21 +27,15 @@ pub(super) struct Policy {
     #[arg(long = "as", value_enum, default_value_t = Language::C)]
     language: Language,
 
-    /// The seed whose policy is written [default: the one that did best]
-    #[arg(long = "policy-seed", value_name = "SEED", value_parser = seed)]
-    seed: Option<u64>,
-
-    /// Numbers to compute with
-    #[arg(long, value_enum, default_value_t = RealType::Float)]
-    real: RealType,
+    #[command(flatten)]
+    real: Real,
 
     /// Name of the constant in Rust [default: POLICY]
     #[arg(long, value_name = "NAME", value_parser = identifier)]
     name: Option<String>,
 
-    /// Write the files into this folder, which is made if it is not there
-    #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutFolder,
 }
 
 const HELP: &str = "\
@@ -71,12 +65,8 @@ impl Policy {
             let allowed = "left out with --as c, which has no constant to name";
             return Err(CliError::flag("--name", name, allowed));
         }
-        if self.out.exists() && !self.out.is_dir() {
-            let allowed = "a folder, into which the files are written";
-            return Err(CliError::flag("--out", self.out.display(), allowed));
-        }
-        reachable_folder(&self.out)?;
-        match self.real {
+        self.out.ready()?;
+        match self.real.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
         }
@@ -84,7 +74,7 @@ impl Policy {
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let name = self.learnt.display().to_string();
-        let learned = Learned::load(&self.learnt, self.seed)?;
+        let learned = Learned::load(&self.learnt)?;
         let wrong = |error| CliError::content(&name, error);
         let table = LearntTable::new(&learned.policy, &learned.settings, learned.seed);
         let (texts, about) = match table.map_err(wrong)? {
@@ -107,13 +97,7 @@ impl Policy {
                 (running.files.to_vec(), running.about)
             }
         };
-        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
-        let mut files = Files::default();
-        for (name, text) in texts {
-            files.add("--out", &self.out.join(name), text.into_bytes());
-        }
-        files.report(None, about.join("\n") + "\n");
-        files.write()?;
+        self.out.write(texts, &about)?;
         Ok(Status::Done)
     }
 }

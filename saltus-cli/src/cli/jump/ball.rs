@@ -98,13 +98,12 @@ impl Jump {
     /// The jump of the robot in space that the flags name.
     pub(super) fn in_space(&self, robot: &Robot) -> Result<Status, CliError> {
         self.learning.refuse()?;
-        for (flag, is_given) in [
-            ("--legs", self.legs.is_some()),
-            ("--constant", self.constant),
-        ] {
-            if is_given {
-                return Err(CliError::flag(flag, "", "used with a robot in its plane"));
-            }
+        if self.legs.is_some() {
+            return Err(CliError::flag(
+                "--legs",
+                "",
+                "used with a robot in its plane",
+            ));
         }
         if self.plot.is_set() && self.ball.map.is_none() {
             let allowed = "used with --map for a robot in space";
@@ -142,7 +141,10 @@ impl Jump {
             let obstacle = course.at(course.front);
             standing = standing.before(obstacle, robot).map_err(refused)?;
         }
-        let sought = (usize::from(self.sought_on.unwrap_or(SOUGHT_ON)), self.seed);
+        let sought = (
+            usize::from(self.sought_on.unwrap_or(SOUGHT_ON)),
+            self.seed.seed,
+        );
         let draw = DrawnBalls::around(robot);
         let planner = Planner::new(robot, standing, &draw, sought, self.threads.count().get());
         planner.map_err(refused)
@@ -150,7 +152,7 @@ impl Jump {
 
     /// Seed of other robots than those of the search.
     fn others(&self) -> u64 {
-        self.seed.wrapping_add(1 << 32)
+        self.seed.seed.wrapping_add(1 << 32)
     }
 
     fn to(&self, robot: &Robot, target: [f64; 2]) -> Result<Status, CliError> {
@@ -178,7 +180,7 @@ impl Jump {
         };
         let report = match self.output.format() {
             Format::Csv => rows(&cycles).csv(),
-            Format::Json => output::json(&answer.json(self.seed)),
+            Format::Json => output::json(&answer.json(self.seed.seed)),
             Format::Text => answer.text(),
         };
         self.output.write_report(report)?;
@@ -218,7 +220,7 @@ impl Jump {
         };
         let report = match self.output.format() {
             Format::Csv => map.table().csv(),
-            Format::Json => output::json(&map.json(self.seed)),
+            Format::Json => output::json(&map.json(self.seed.seed)),
             Format::Text => map.text(),
         };
         self.output
@@ -241,7 +243,7 @@ impl Jump {
             Over::new(robot, obstacle, farthest, threads)
         };
         let mut over = over.map_err(refused)?;
-        over.seed = self.seed;
+        over.seed = self.seed.seed;
         let generations = usize::from(self.generations.unwrap_or(FROM_RUN.1));
         let sought_on = usize::from(self.sought_on.unwrap_or(FROM_RUN.0));
         let progress = Progress::new("generations", generations);
@@ -263,7 +265,7 @@ impl Jump {
         };
         let report = match self.output.format() {
             Format::Csv => crossed.table().csv(),
-            Format::Json => output::json(&crossed.json(self.seed)),
+            Format::Json => output::json(&crossed.json(self.seed.seed)),
             Format::Text => crossed.text(),
         };
         self.output.write_report(report)?;

@@ -8,7 +8,6 @@ use saltus::verify::{Plant, Verification};
 use super::loaded::Loaded;
 use super::subject::{self, SubjectFlags};
 use super::table_file;
-use crate::cli::common::note_valve;
 use crate::error::CliError;
 
 /// What the flags name, for `robot`; none for a course that no plan crosses. A corrected plan has
@@ -19,7 +18,7 @@ pub(super) fn load(
     plant: &Plant,
     margins: Option<&Verification>,
 ) -> Result<Option<Loaded>, CliError> {
-    note_valve(&robot, flags.valve_open.map(|_| "--valve-open"));
+    flags.terms.note_valve(&robot);
     let ending = flags.file.as_deref().and_then(ending);
     let is_course = flags.file.is_some() && matches!(ending.as_deref(), None | Some("toml"));
     if flags.correct && !is_course {

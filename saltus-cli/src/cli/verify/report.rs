@@ -166,12 +166,6 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "passes": verdict.passes,
         "failures": verdict.failures.iter().map(failure_json).collect::<Vec<_>>(),
         "advice": advice(outcomes, verdict, context),
-        "step_cost": context.step_cost.map(|cost| json!({
-            "step_s": cost.step,
-            "landing_greatest_m": cost.landing,
-            "apex_greatest_m": cost.apex,
-            "other_ends": cost.other_ends,
-        })),
         "groups": verdict.groups.iter().map(group_json).collect::<Vec<_>>(),
         "rows": rows(outcomes, context.planner.robot()).json(),
     }))
@@ -255,17 +249,6 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         }
     }
     text.push_str(&jumps_text(outcomes, context));
-    if let Some(cost) = context.step_cost {
-        let _ = writeln!(
-            text,
-            "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end \
-             otherwise than with error control",
-            digits(cost.step, 4),
-            digits(cost.landing, 2),
-            digits(cost.apex, 2),
-            cost.other_ends
-        );
-    }
     text + &verdict_text(outcomes, verdict, context)
 }
 

@@ -13,7 +13,7 @@ use saltus::verify::{Plant, Rule, Steering, Subject, Verification};
 
 use super::loaded::{Loaded, on_plant};
 use crate::cli::target::{Block, block};
-use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
+use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::input;
 use crate::output::digits;
@@ -53,21 +53,8 @@ pub(crate) struct SubjectFlags {
     #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
     obstacle: Option<Block>,
 
-    /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground,
-    /// or the height (m) above the foothold to which the wheel's centre comes down [default: a
-    /// table's own; of a law: wheel]
-    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
-    pub(super) landing_height: Option<LandingHeight>,
-
-    /// Valve opening time t_v (s) of a law or a table; of no effect for a spring, which has no
-    /// valve [default: a table's own; of a law: 0.1]
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    pub(super) valve_open: Option<f64>,
-
-    /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the
-    /// firing angle, or at this lean φ₀ (rad) [default: a table's own; of a law: firing]
-    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
-    pub(super) start_lean: Option<StartLean>,
+    #[command(flatten)]
+    pub(super) terms: TermFlags,
 }
 
 pub(super) fn law(
@@ -102,12 +89,7 @@ pub(super) fn law(
             ));
         }
     }
-    let terms = Terms::new(
-        &robot,
-        flags.landing_height.unwrap_or(LandingHeight::Wheel),
-        flags.valve_open.unwrap_or(terms::VALVE_OPEN),
-        flags.start_lean.unwrap_or(StartLean::Firing),
-    );
+    let terms = flags.terms.of(&robot);
     let title = format!("the law α_f = {formula}, {}", terms.landing_title());
     let rule = rule(flags, &terms, steering, rates, flags.distance);
     Ok(Loaded {
@@ -148,9 +130,9 @@ pub(super) fn plan(
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),
         ("--obstacle", flags.obstacle.is_some()),
-        ("--landing-height", flags.landing_height.is_some()),
-        ("--valve-open", flags.valve_open.is_some()),
-        ("--start-lean", flags.start_lean.is_some()),
+        ("--landing-height", flags.terms.landing_height.is_some()),
+        ("--valve-open", flags.terms.valve_open.is_some()),
+        ("--start-lean", flags.terms.start_lean.is_some()),
     ];
     if let Some((flag, _)) = alone.into_iter().find(|(_, is_given)| *is_given) {
         return Err(CliError::flag(

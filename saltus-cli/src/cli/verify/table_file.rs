@@ -10,7 +10,7 @@ use saltus::{Launch, Robot};
 
 use super::loaded::{Loaded, on_plant};
 use super::subject::{self, SubjectFlags};
-use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
+use crate::cli::terms::{LandingHeight, StartLean, Terms, VALVE_OPEN};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
 use crate::input;
@@ -181,12 +181,11 @@ impl TableFile {
     /// What the table was made for, which flags may say where the file does not.
     fn terms(&self, flags: &SubjectFlags, robot: &Robot) -> Result<Terms, CliError> {
         let height = self.value("landing_height_m", |row| row.landing_height)?;
-        let given = flags.landing_height.map(|height| height.of(robot));
+        let given = flags.terms.landing_height.map(|height| height.of(robot));
         let height = self.one("--landing-height", "landing_height_m", height, given)?;
         let lean = self.start_lean()?;
-        let given = flags
-            .start_lean
-            .map(|lean| lean.fixed().unwrap_or(f64::NAN));
+        let given = flags.terms.start_lean;
+        let given = given.map(|lean| lean.fixed().unwrap_or(f64::NAN));
         // Not a number stands for the firing angle, which is no one lean.
         let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
         let lean = match (lean, given) {
@@ -199,9 +198,14 @@ impl TableFile {
         };
         let valve = self.value("valve_open_s", |row| row.valve_open)?;
         let valve = if robot.leg.drive.has_valve() || valve.is_some() {
-            self.one("--valve-open", "valve_open_s", valve, flags.valve_open)?
+            self.one(
+                "--valve-open",
+                "valve_open_s",
+                valve,
+                flags.terms.valve_open,
+            )?
         } else {
-            flags.valve_open.unwrap_or(terms::VALVE_OPEN)
+            flags.terms.valve_open.unwrap_or(VALVE_OPEN)
         };
         let start = if lean.is_nan() {
             StartLean::Firing
