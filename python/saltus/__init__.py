@@ -11,7 +11,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
 from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
-from .verbs import design, diagnose, export, export_policy, filling, fit, inject, jump_over, jump_to, law, learn, map, parkour, plan, run, simulate, table, verify
+from .verbs import design, diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, parkour, plan, run, simulate, table, verify
 from .sweeps import sweep
 
 __all__ = [
@@ -32,7 +32,6 @@ __all__ = [
     "inject",
     "jump",
     "jump_over",
-    "jump_to",
     "jumps",
     "law",
     "learn",

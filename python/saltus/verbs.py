@@ -30,7 +30,6 @@ __all__ = [
     "fit",
     "inject",
     "jump_over",
-    "jump_to",
     "law",
     "learn",
     "map",
@@ -236,7 +235,6 @@ def run(
     robots: int | None = None,
     drawn_across: float | None = None,
     analyse: bool | str = False,
-    bears: bool | int = False,
     telemetry: PathLike | None = None,
     believed: RobotLike | None = None,
     rows: bool = False,
@@ -250,8 +248,8 @@ def run(
     """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
 
     `policy` is a file that `saltus learn --out` wrote. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
-    for each cycle, as `--format csv` does (one robot in its plane, no analysis). `heading_rad`, `path` (a CSV file), `truth` and `bears`
-    (so many robots for each number, or True) are of a robot in space."""
+    for each cycle, as `--format csv` does (one robot in its plane, no analysis). `heading_rad`, `path` (a CSV file) and `truth` are
+    of a robot in space."""
     arguments = {name: value for name, value in locals().items() if name != "rows"}
     if not rows:
         return ask("run", (), arguments)
@@ -271,38 +269,15 @@ def jump_over(
     generations: int | None = None,
     runs: int | None = None,
     rounds: int | None = None,
-    onto: bool = False,
     room: float | None = None,
     robots: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
-    plot: PathLike | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),
 ) -> Answer:
     """A jump over a box out of a run: the verb `saltus jump`. `obstacle` is HEIGHTxLENGTH@FRONT in m,
-    as in "0.1x0.21@1:6". A robot in space jumps onto it with `onto`."""
-    return ask("jump", (), locals())
-
-
-def jump_to(
-    target_m: tuple[float, float] | None = None,
-    *,
-    heading_rad: float | None = None,
-    distance_m: float | None = None,
-    map_m: float | None = None,
-    obstacle: str | None = None,
-    rest: int | None = None,
-    sought_on: int | None = None,
-    robots: int | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-    plot: PathLike | None = None,
-    robot: RobotLike = "rats-twelve",
-    set: Overrides = (),
-) -> Answer:
-    """A jump of a robot in space from rest to a place, or with `map_m` the map of such places that far
-    apart: the verb `saltus jump`. `obstacle`, a box HEIGHTxLENGTH@FRONT in m, may be in front of it: the place may be on it."""
+    as in "0.1x0.21@1:6"."""
     return ask("jump", (), locals())
 
 

@@ -57,10 +57,6 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.jump_over("0.02x0.1@1:3", runs=2, rounds=1, robots=2),
         "jump --obstacle 0.02x0.1@1:3 --runs 2 --rounds 1 --robots 2".split(),
     ),
-    "jump in space": (
-        lambda: saltus.jump_to((0.3, -0.1), sought_on=2, robots=2),
-        "jump --robot rats-twelve --target 0.3,-0.1 --sought-on 2 --robots 2".split(),
-    ),
     "learn": (
         lambda: saltus.learn("run-zone", episodes=2, seeds=2, lambda_=0.8, reward={"rate": 1, "threshold:2": 0.5}),
         "learn run-zone --episodes 2 --seeds 2 --lambda 0.8 --reward rate=1 --reward threshold:2=0.5".split(),
@@ -177,7 +173,7 @@ FUNCTIONS: dict[str, list[Any]] = {
     "plan": [saltus.plan],
     "verify": [saltus.verify],
     "run": [saltus.run],
-    "jump": [saltus.jump_over, saltus.jump_to],
+    "jump": [saltus.jump_over],
     "learn": [saltus.learn],
     "diagnose": [saltus.diagnose],
     "design": [saltus.design],

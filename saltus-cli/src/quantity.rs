@@ -43,12 +43,6 @@ impl Quantity {
         legal: |x| x.abs() <= std::f64::consts::PI,
         ..Quantity::ANGLE
     };
-    /// Place on the ground (m), along one axis.
-    pub(crate) const PLACE: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a number from -100 to 100 m",
-        legal: |x| x.abs() <= 100.0,
-    };
     /// Time (s).
     pub(crate) const TIME: Quantity = Quantity {
         suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],

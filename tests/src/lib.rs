@@ -4,6 +4,7 @@
 //! The tests themselves are in `tests/`, one file a subject.
 
 pub mod controlled;
+pub mod known;
 pub mod lab;
 pub mod oracle;
 pub mod reference;

@@ -30,7 +30,7 @@ impl Stable {
     ///
     /// # Errors
     /// [`GaitError::Input`] for numbers that cannot be.
-    pub(super) fn balance(&self, robot: &Robot) -> Result<Balance<f64>, GaitError> {
+    pub fn balance(&self, robot: &Robot) -> Result<Balance<f64>, GaitError> {
         let Stable {
             angles,
             opens,

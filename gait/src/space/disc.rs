@@ -64,7 +64,7 @@ impl Facing {
     }
 
     /// The direction (body axes) in which it sets out from `rest`.
-    pub(super) fn ahead(&self, rest: &Rest) -> [f64; 3] {
+    pub fn ahead(&self, rest: &Rest) -> [f64; 3] {
         let axis = Vector3::from(self.disc.axis);
         Vector3::from(rest.down).cross(&axis).into()
     }

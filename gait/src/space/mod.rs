@@ -6,19 +6,15 @@ mod balance;
 mod disc;
 mod drawn;
 mod flashed;
-pub mod jump;
-mod known;
 mod measured;
 mod sensing;
 mod steer;
-pub mod stride;
 
 use balance::Course;
 pub use balance::Stable;
 pub use disc::Facing;
 pub use drawn::{DrawnBalls, drawn_ball};
 pub use flashed::{Flashed, FlashedPlane, Hearing};
-pub use known::Known;
 pub use measured::Measured;
 pub use steer::Steered;
 
@@ -268,7 +264,10 @@ impl Roll {
     }
 
     /// The rest and the disc of its start.
-    pub(crate) fn facing(&self) -> Result<(Rest, Facing), GaitError> {
+    ///
+    /// # Errors
+    /// [`GaitError::Input`] for a robot that is not in space, and a rest or a way that it does not have.
+    pub fn facing(&self) -> Result<(Rest, Facing), GaitError> {
         let space = self.robot.space.as_ref();
         let is_in_space = space.is_some();
         let legs = f64::from(self.robot.body.legs);

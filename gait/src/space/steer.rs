@@ -81,7 +81,7 @@ impl Steered {
     ///
     /// # Errors
     /// [`GaitError::Input`] for numbers that cannot be, and a path without a way: no points, or two in the same place.
-    pub(super) fn lead(&self, robot: &Robot) -> Result<Lead<f64>, GaitError> {
+    pub fn lead(&self, robot: &Robot) -> Result<Lead<f64>, GaitError> {
         let lead = Lead {
             balance: self.stable.balance(robot)?,
             ahead: self.ahead,

@@ -1,10 +1,8 @@
 //! Tests of the analysis of gaits, in one binary: linking is what takes time.
 
-mod ball_known;
 mod basin;
 mod energy;
 mod frontier;
-mod jump_in_space;
 mod learn;
 mod learn_tasks;
 mod optimal;
@@ -15,7 +13,6 @@ mod rest;
 mod sensed;
 mod space;
 mod stride;
-mod strides_in_space;
 
 use saltus_gait::{Disturbance, Program, Setup, What, When};
 use saltus_robot::{Robot, resolve};

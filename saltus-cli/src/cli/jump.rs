@@ -1,6 +1,5 @@
 //! `saltus jump`: over a box from rest, or one that is sensed on the way.
 
-mod ball;
 mod margin;
 mod sensed;
 
@@ -10,27 +9,26 @@ use saltus::gait::{Crossed, Crossing, CrossingPlan, Draw, GaitError, Obstacle};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
-use self::ball::Ball;
 use self::margin::{Margin, Passage};
 use self::sensed::Learning;
-use super::Status;
-use super::common::{OutputFlags, PlotOption, RobotFlags, Seed, Threads};
+use super::common::{OutputFlags, RobotFlags, Seed, Threads};
+use super::{Place, Status};
 use crate::error::{CliError, cut};
 use crate::output::{Files, Format, digits};
 use crate::progress::Progress;
 use crate::quantity;
 
 /// Jump over a box: from rest, some legs accelerate and the next one jumps; or out of a run, over a box
-/// that a range sensor sees. A robot in space jumps from rest to a place, or out of a run over a box
+/// that a range sensor sees
 #[derive(Args, Debug)]
 #[command(
     after_help = "`saltus jump --help` explains the output.",
     after_long_help = LONG_HELP,
-    mut_arg("robot", |robot| robot.help("Robot: a built-in one with a boom or without (rats-boom, rats-run), one in space (rats-twelve), or a TOML file [default: rats-run]"))
+    mut_arg("robot", |robot| robot.help("Robot: a built-in one with a boom or without (rats-boom, rats-run) or a TOML file [default: rats-run]"))
 )]
 pub(crate) struct Jump {
     /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest; with FRONT as FROM:TO
-    /// it is anywhere between, and the robot senses it. With --target it lies before a robot in space that jumps from rest
+    /// it is anywhere between, and the robot senses it
     #[arg(long, value_name = "HEIGHTxLENGTH@FRONT", value_parser = course, allow_hyphen_values = true)]
     obstacle: Option<Course>,
 
@@ -38,19 +36,16 @@ pub(crate) struct Jump {
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
     legs: Option<u8>,
 
-    /// Drawn robots on which the firings are sought [default: 8; of a robot in space 16]
+    /// Drawn robots on which the firings are sought [default: 8]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
     sought_on: Option<u16>,
 
-    /// Generations of the search [default: 14; of a robot in space 3]
+    /// Generations of the search [default: 14]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
     generations: Option<u16>,
 
     #[command(flatten)]
     learning: Learning,
-
-    #[command(flatten)]
-    ball: Ball,
 
     /// Other drawn robots on which they are tried
     #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
@@ -66,9 +61,6 @@ pub(crate) struct Jump {
     robot: RobotFlags,
 
     #[command(flatten)]
-    plot: PlotOption,
-
-    #[command(flatten)]
     output: OutputFlags,
 }
 
@@ -77,11 +69,6 @@ Examples:
   saltus jump --obstacle 0.1x0.21@1:6
   saltus jump --obstacle 0.21x0.21@1.3 --set leg.supply_pressure_gauge_psi=160
   saltus jump --obstacle 0.16x0.21@1.3 --format json --out box.json
-  saltus jump --robot rats-twelve --target 0.3,0.2
-  saltus jump --robot rats-twelve --map 0.1 --out map.csv --plot map.svg
-  saltus jump --robot rats-twelve --target 0.55,0 --obstacle 0.12x1.5@0.28
-  saltus jump --robot rats-twelve --obstacle 0.21x0.21@2.2
-  saltus jump --robot rats-twelve --obstacle 0.08x4@2.2 --onto
 
 FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
 brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
@@ -98,30 +85,9 @@ The answer is the share that comes to the other side without touching the box, w
 least clearance that 5 % and half of those that come to the other side have. Exit code 1 if less than 95 % clear it. The search takes \
 about a minute.
 
-A robot in space (rats-twelve) jumps from rest on three feet to --target, or into --heading by --distance. x is ahead, the first \
-way in which `saltus run` would roll from there, y to the left, both from where the legs meet. Which legs fire, when and for how \
-long is sought in a model of the stance for --sought-on drawn robots [default: 16]; valves close as soon as gyros and \
-accelerometers say that the robot will land there. The answer is where the robot of the file lands in the simulation, where it \
-comes to rest, and the share of other robots that land within 10 cm of the target; exit code 1 if that is less than 90 % or the \
-target is out of reach: robots land more than 2 cm to one side of it in the mean. CSV has the jump, a row a cycle. --map does \
-this for all places of a grid; its CSV has a row a place, and --plot, which is for maps alone, draws it. With --obstacle a box \
-lies before the robot, on which the target may be: then a robot has to land near it without having touched the box before, and \
-to be on the box 3 s later. Legs must be of kind constant.
-
-With --obstacle a robot in space rolls by its sensors (`saltus run --gait disc-stable`) to a box that lies across its way and is \
-wider than it, and knows where it is; FROM:TO is where its front may be. The first push decides where the feet come down after it. \
-It is chosen so that twins, two legs side by side, come down where they jump best; they push the robot over the box. From which \
-distance on, at which lean and for how long is sought for --sought-on robots [default: 16] in --generations [default: 3], about \
-two minutes. With --onto they jump onto the box, of at least 2.48 m for rats-twelve, and go on upon it. The answer is the share of other robots of which nothing between the feet touches the box, and of those that go on \
-by 2 m behind it, on their feet again if they fell; exit code 1 if less than 80 % clear it. CSV has a row a robot.
-
 JSON: {\"command\": \"jump\", \"robot\", \"seed\", \"robots\", \"obstacle\": {\"height_m\", \"length_m\", \"front_m\" or \"fronts_m\"}, \"cleared\" (robots), \"cleared_share\", \
 \"cleared_share_95\" (interval), \"clearance_m\": {\"5_percent\", \"median\", \"over_the_box\"}}. With one FRONT also \"first\": [{\"firing_angle_rad\", \"valve_open_s\"}] of \
 the legs that accelerate, and \"jump\": {\"slope_s\" (A), \"level_rad\" (B), \"valve_open_s\"}; with FROM:TO \"room_m\", \"runs\", \"nearer_height_m\" and \"run_on\" (robots).
-
-JSON of a jump from rest: {\"rest\", \"feet\", \"target_m\", \"aim_m\" (of the search), \"is_reached\", \"firings\": [{\"leg\", \"at_s\", \"valve_open_s\"}], \"apex_m\", \"clearance_m\", \
-\"modelled_m\", \"landed_m\", \"in_the_end_m\" (places: of the model of the stance, of the simulation, where the robot rests), \"landed_s\", \"miss_m\", \
-\"speed_in_the_end_m_s\", \"mean_off_m\", \"within_10_cm\" and \"stay_on_the_box\": {\"count\", \"of\", \"share\", \"interval_95\"}}.
 
 The answer does not depend on --threads.";
 
@@ -142,25 +108,23 @@ struct Answer<'a> {
 
 impl Jump {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
-        self.output.ready(&self.plot)?;
+        self.output.report_ready()?;
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
         let robot = self.robot.any_robot_or("rats-run")?;
         if robot.space.is_some() {
-            return self.in_space(&robot);
+            return Err(CliError::Moved {
+                asked: format!("jump --robot {}", robot.name),
+                place: Place::Study("over_box 0.21 2.2 2.2 16 3 100"),
+            });
         }
-        self.ball.refuse()?;
         let Some(course) = self.obstacle else {
             return Err(CliError::Missing {
                 flag: "--obstacle",
                 allowed: "HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3, or with FROM:TO as FRONT",
             });
         };
-        if self.plot.is_set() {
-            return Err(CliError::flag("--plot", "", "used with --map"));
-        }
         if self.output.format() == Format::Csv {
             let allowed = "text or json";
             return Err(CliError::flag("--format", "csv", allowed));

@@ -39,7 +39,92 @@ struct Moved {
     place: Place,
 }
 
-const fn moved(command: &'static str, words: &'static str, place: Place) -> Moved {
+const MOVED: &[Moved] = &[
+    to_study("jump", "--target", "ball_jump 0.3,0.2"),
+    to_study("jump", "--heading", "ball_jump 0.3,0.2"),
+    to_study("jump", "--rest", "ball_jump 0.3,0.2"),
+    to_study("jump", "--map", "ball_jump map 0.2"),
+    to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
+    to_study("jump", "--constant", "landing_scatter -- 120 30 100"),
+    gone(
+        "jump",
+        "--greatest",
+        "try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160",
+    ),
+    gone("jump", "--plot", "there is nothing to draw of a box"),
+    to_study("run", "--bears", "bears steer 40 bears-steer.svg"),
+    gone(
+        "run",
+        "--policy-seed",
+        "the best seed runs; `saltus learn --seed 7 --seeds 1` has one alone",
+    ),
+    gone(
+        "export",
+        "--policy-seed",
+        "the best seed is written; `saltus learn --seed 7 --seeds 1` has one alone",
+    ),
+    gone(
+        "export",
+        "--effort",
+        "a squared second of open valve costs 0.01 m²/s²",
+    ),
+    gone(
+        "export",
+        "--period",
+        "it is that of the robot's sensors: --set sensors.period_ms=5",
+    ),
+    to_command("diagnose", "--power", "saltus design PLAN.toml"),
+    to_command(
+        "diagnose",
+        "--effect",
+        "saltus design PLAN.toml --effect CAUSE=VALUE",
+    ),
+    to_command(
+        "diagnose",
+        "--propose",
+        "saltus design PLAN.toml --propose COUNT",
+    ),
+    to_command(
+        "diagnose",
+        "--inject",
+        "saltus inject CAUSE=VALUE --out FOLDER",
+    ),
+    gone(
+        "diagnose",
+        "--false-alarms",
+        "5 % of data without an effect may be said to have one",
+    ),
+    gone(
+        "diagnose",
+        "--samples",
+        "each plan of --replan is flown 200 times",
+    ),
+    gone(
+        "plan",
+        "--no-slip",
+        "friction_coefficient in the course limits what a stance needs",
+    ),
+    gone(
+        "verify",
+        "--scatter",
+        "[errors] of the robot says what is drawn",
+    ),
+    gone(
+        "verify",
+        "--accuracy",
+        "jumps are integrated with an error of 1e-9 in each step",
+    ),
+    gone(
+        "verify",
+        "--fixed-step",
+        "jumps are integrated with an error of 1e-9 in each step",
+    ),
+    gone("filling", "--most", "the count ends at 10000 jumps"),
+];
+
+/// What is a study now.
+const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
+    let place = Place::Study(study);
     Moved {
         command,
         words,
@@ -47,72 +132,25 @@ const fn moved(command: &'static str, words: &'static str, place: Place) -> Move
     }
 }
 
-const DESIGN: Place = Place::Now("saltus design PLAN.toml");
+/// What another command line does.
+const fn to_command(command: &'static str, words: &'static str, line: &'static str) -> Moved {
+    let place = Place::Now(line);
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
 
-const BY_ERROR: Place = Place::Gone("jumps are integrated with an error of 1e-9 in each step");
-
-const BEST_SEED: Place =
-    Place::Gone("the best seed's policy is taken; `saltus learn --seed 7 --seeds 1` has one alone");
-
-const MOVED: &[Moved] = &[
-    moved("diagnose", "--power", DESIGN),
-    moved("diagnose", "--effect", DESIGN),
-    moved("diagnose", "--propose", DESIGN),
-    moved(
-        "diagnose",
-        "--inject",
-        Place::Now("saltus inject CAUSE=VALUE --out FOLDER"),
-    ),
-    moved(
-        "diagnose",
-        "--false-alarms",
-        Place::Gone("5 % of data without an effect may be said to have one"),
-    ),
-    moved(
-        "diagnose",
-        "--samples",
-        Place::Gone("each plan of --replan is flown 200 times"),
-    ),
-    moved(
-        "plan",
-        "--no-slip",
-        Place::Gone("friction_coefficient in the course limits the friction that a stance needs"),
-    ),
-    moved(
-        "verify",
-        "--scatter",
-        Place::Gone("[errors] of the robot says what is drawn, --samples 0 draws nothing"),
-    ),
-    moved("verify", "--accuracy", BY_ERROR),
-    moved("verify", "--fixed-step", BY_ERROR),
-    moved("run", "--policy-seed", BEST_SEED),
-    moved("export", "--policy-seed", BEST_SEED),
-    moved(
-        "export",
-        "--effort",
-        Place::Gone("a squared second of open valve costs 0.01 m²/s²"),
-    ),
-    moved(
-        "export",
-        "--period",
-        Place::Gone("it is that of the robot's sensors: --set sensors.period_ms=5"),
-    ),
-    moved(
-        "filling",
-        "--most",
-        Place::Gone("the count ends at 10000 jumps"),
-    ),
-    moved(
-        "jump",
-        "--constant",
-        Place::Study("landing_scatter -- 120 30 100"),
-    ),
-    moved(
-        "jump",
-        "--greatest",
-        Place::Gone("try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160"),
-    ),
-];
+/// What nothing does.
+const fn gone(command: &'static str, words: &'static str, instead: &'static str) -> Moved {
+    let place = Place::Gone(instead);
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
 
 /// That a command line which could not be parsed asks for something that has moved.
 pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {

@@ -69,47 +69,6 @@ fn drawn_balls_are_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn what_a_ball_bears_is_a_row_for_each_number() {
-    let folder = Folder::new("ball-bears");
-    let line = "run --robot rats-twelve --gait recover --seconds 4 --bears 1 --format csv --plot bears.svg";
-    let text = folder.done(line, 0);
-    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(
-        rows[0],
-        [
-            "imperfection",
-            "value",
-            "count",
-            "of",
-            "share",
-            "low_95",
-            "high_95",
-            "success"
-        ]
-    );
-    assert_eq!(rows.len(), 1 + 6 + 6 + 6 + 7);
-    for row in &rows[1..] {
-        let number = |k: usize| row[k].parse::<f64>().unwrap();
-        assert!(number(2) <= 1.0 && number(3) == 1.0, "{row:?}");
-        assert!(number(5) <= number(4) && number(4) <= number(6), "{row:?}");
-    }
-    // Without any scatter, and without a slope, it is the same robot.
-    let level = rows
-        .iter()
-        .find(|row| row[0] == "slope_rad" && row[1] == "0");
-    assert_eq!(rows[1][2], level.unwrap()[2]);
-    assert!(folder.read("bears.svg").contains("slope"));
-    let words: Vec<&str> = "run --seconds 1 --bears".split(' ').collect();
-    let run = folder.run(&words);
-    assert_eq!(run.code, Some(2), "{}", run.err);
-    assert!(
-        run.err.contains("--bears") && run.err.contains("in space"),
-        "{}",
-        run.err
-    );
-}
-
-#[test]
 fn a_fall_is_an_answer() {
     let folder = Folder::new("ball-fall");
     // So far off its middle that no twins hold it.
@@ -146,32 +105,6 @@ fn a_ball_follows_a_path_and_ends_where_it_ends() {
     let one = folder.done(&format!("{drawn} --threads 1"), 0);
     assert_eq!(one, folder.done(&format!("{drawn} --threads 2"), 0));
     assert!(one.contains("came to its path's end   0 of 3"), "{one}");
-}
-
-#[test]
-#[ignore = "nightly: 20 s"]
-fn a_plain_roll_is_analysed() {
-    let folder = Folder::new("ball-analysis");
-    let line = "run --robot rats-twelve --analyse quick";
-    let all = answer(&folder, line, 0);
-    let number = |value: &Value| value.as_f64().unwrap();
-    let multipliers = all["multipliers_of_half_a_turn"].as_array().unwrap();
-    assert_eq!(multipliers.len(), 10);
-    let ones = multipliers
-        .iter()
-        .filter(|one| (number(&one["re"]) - 1.0).abs() < 1e-5);
-    assert_eq!(ones.count(), 2, "{all}");
-    // What the legs do is what is lost, within what ten half turns gain.
-    let energy = &all["energy"];
-    let lost: f64 = ["in_legs", "in_feet_and_ground", "at_ends_of_strokes"]
-        .iter()
-        .map(|part| number(&energy[format!("lost_{part}_j_per_m")]))
-        .sum();
-    let work = number(&energy["work_of_the_legs_j_per_m"]);
-    assert!((lost / work - 1.0).abs() < 0.05, "{all}");
-    assert!(folder.done(line, 0).contains("comes back from"));
-    // So weak that it does not roll.
-    folder.done(&format!("{line} --set leg.force_n=40"), 1);
 }
 
 #[test]
@@ -458,16 +391,8 @@ const CASES: &[(&str, &[&str])] = &[
         &["--disturb", "a robot in its plane"],
     ),
     (
-        "--robot rats-twelve --analyse quick --gait steer",
-        &["--gait steer", "disc-stable with --analyse"],
-    ),
-    (
-        "--robot rats-twelve --analyse quick --robots 3",
-        &["--robots", "left out with --analyse"],
-    ),
-    (
-        "--robot rats-twelve --analyse quick --format csv",
-        &["--format csv", "text or json"],
+        "--robot rats-twelve --bears 3",
+        &["--bears", "--bin bears steer 40"],
     ),
     (
         "--robot rats-twelve --animate x.txt",

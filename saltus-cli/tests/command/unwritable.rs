@@ -26,17 +26,11 @@ const LONG: &[(&str, &str)] = &[
     ("run", "--gait fixed --seconds 1000 --robots 1000 --exact"),
     ("run", "--robot rats-twelve --seconds 60 --robots 1000"),
     (
-        "run",
-        "--robot rats-twelve --gait steer --seconds 60 --bears",
-    ),
-    (
         "filling",
         "--omega 4.5 --alpha-f -0.1 --set tank.volume_l=5000",
     ),
     ("jump", "--obstacle 0.21x0.21@1.3"),
     ("jump", "--obstacle 0.21x0.21@1:6"),
-    ("jump", "--robot rats-twelve --map 0.02"),
-    ("jump", "--robot rats-twelve --obstacle 0.21x0.21@2.2"),
     ("learn", "run-legs"),
     ("diagnose", "nowhere"),
     ("design", "nowhere.toml"),

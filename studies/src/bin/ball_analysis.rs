@@ -8,11 +8,11 @@
 //! The first number is the time step (s), the second how many drawn robots are kept up by the regulator.
 
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::stride::{LATERAL, Multiplier, OFF, Roller, Slopes, State};
 use saltus_gait::space::{DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::Stepping;
+use saltus_studies::half_turn::{LATERAL, Multiplier, OFF, Roller, Slopes, State};
 
 /// How far (m) a robot has to come, and within which way aside (m).
 const FAR: f64 = 30.0;

@@ -8,9 +8,10 @@
 //! also where it has fallen: a heading drifts there, too. Ends with an error where a target is missed.
 
 type Failed = Box<dyn std::error::Error>;
-use saltus_gait::space::{DrawnBalls, Gait, Known, Knows, Roll, Stable, drawn_ball, roll};
+use saltus_gait::space::{DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
 use saltus_numeric::parallel;
 use saltus_sim_check::Stepping;
+use saltus_tests::known::Known;
 
 /// Shares of the touch-downs, and errors (degrees; degrees a minute).
 const FOUND: f64 = 0.99;

@@ -1,6 +1,7 @@
 //! Laws of physics, agreement of the crates, and what the whole does.
 
 mod architecture;
+mod ball_known;
 mod boom;
 mod controller;
 mod diagnosis;

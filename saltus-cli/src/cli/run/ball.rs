@@ -1,7 +1,5 @@
 //! A robot in space, which rolls as a disc.
 
-mod analysis;
-mod bears;
 mod beside;
 mod came;
 mod drawn;
@@ -21,7 +19,7 @@ use serde_json::{Value, json};
 use super::Run;
 use super::gait::Kind;
 use super::rows::Rows;
-use crate::cli::Status;
+use crate::cli::{Place, Status};
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Files, Format, digits, full, message};
@@ -43,13 +41,13 @@ impl Run {
     pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
         self.meant_for_a_ball()?;
         let (gait, aim) = self.gait.rolls()?;
-        if let Some(depth) = self.analyse {
-            return self.analysed_ball(robot, depth);
+        if self.analyse.is_some() {
+            return Err(CliError::Moved {
+                asked: format!("run --analyse --robot {}", robot.name),
+                place: Place::Study("ball_analysis 2.5e-5 40"),
+            });
         }
         let mut setup = self.rolling(robot, gait);
-        if let Some(robots) = self.bears {
-            return self.what_it_bears(&setup, aim, robots.get());
-        }
         if self.robots.is_some() {
             return self.many_balls(&setup, aim);
         }
@@ -142,18 +140,6 @@ impl Run {
         })
     }
 
-    /// Says so where no robot can come as far as is counted.
-    fn note_a_short_run(&self, setup: &Roll, aim: Aim) {
-        let least = FAR / FASTEST;
-        if matches!(aim, Aim::Line | Aim::Led) && !self.gait.is_thesis() && setup.seconds < least {
-            let seconds = digits(setup.seconds, 4);
-            message(&format!(
-                "--seconds {seconds} is too short to come {FAR} m: robots roll by about 1.1 m/s, and half of those that are led \
-                 take more than 38 s"
-            ));
-        }
-    }
-
     /// Where what is beside the report goes.
     fn beside(&self) -> Places<'_> {
         Places {
@@ -186,30 +172,6 @@ impl Run {
             Some((flag, _)) => Err(in_its_plane(flag)),
             None => Ok(()),
         }
-    }
-
-    /// Refuses what an analysis of a ball does not have.
-    fn can_analyse_a_ball(&self) -> Result<(), CliError> {
-        let given = [
-            ("--robots", self.robots.is_some()),
-            ("--step", self.step.is_some()),
-            ("--heading", self.gait.heading.is_some()),
-            ("--truth", self.gait.truth),
-        ];
-        if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
-            let allowed = "left out with --analyse, of a robot in space";
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        if self.output.format() == Format::Csv {
-            let allowed = "text or json with --analyse";
-            return Err(CliError::flag("--format", "csv", allowed));
-        }
-        let gait = self.gait.rolling();
-        if gait != Kind::DiscStable {
-            let allowed = "disc-stable with --analyse, of a robot in space";
-            return Err(CliError::flag("--gait", gait.name(), allowed));
-        }
-        Ok(())
     }
 
     /// The robot and its gait in words.

@@ -99,11 +99,6 @@ pub(crate) struct Run {
     #[arg(long, value_enum, value_name = "EFFORT", num_args = 0..=1, default_missing_value = "full", conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
     analyse: Option<Depth>,
 
-    /// How much a robot in space bears: the share that comes 30 m within 1 m of its line, or does what else its gait is for,
-    /// over scatter of forces, centre of mass, friction and slope; so many robots for each number [default without a value: 40]
-    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "40", value_parser = robots, allow_negative_numbers = true, conflicts_with_all = ["robots", "analyse", "animate", "telemetry", "mcap"])]
-    bears: Option<NonZeroUsize>,
-
     #[command(flatten)]
     threads: Threads,
 
@@ -164,7 +159,6 @@ Examples:
   saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
   saltus run --robot rats-twelve --path points.csv --seconds 60 --plot track.svg --animate run.html
   saltus run --robot rats-twelve --gait recover --seconds 10 --seed 3
-  saltus run --robot rats-twelve --gait steer --seconds 60 --bears --plot bears.svg
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
 active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
@@ -206,8 +200,7 @@ coulomb_friction_n, spring_stiffness_n_per_m, spring_preload_n, friction_along, 
 Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \"travel_m\", \"way_m\", \"place_m\", \"time_s\", \"points\", \"points_reached\", \
 \"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\"; with --robots \
 \"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
-\"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run; with --bears \"success\" and \"bears\": [{\"imperfection\", \
-\"value\", \"share\"}], in CSV imperfection, value, success, robots, share, low_95, high_95.
+\"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run.
 
 --gait optimal seeks the least time from rest to --distance on this robot without noise and disturbances, by dynamic programming \
 over its strides, and runs the table that it finds: docs/running.md says how. If no choice leads there, the answer says how far \
@@ -233,11 +226,8 @@ Keys with --analyse: \"analysis\", \"firing\": {\"angle_rad\", \"valve_open_s\",
 A robot in space, such as rats-twelve, rolls as a disc on the legs near one plane: docs/space.md. By `disc-stable` it goes \
 by its sensors unless --truth is given, and ends where it has fallen or stands, with exit code 1. By `steer` it follows --path, or \
 the line with --heading: it gets up where it fell, and the run ends at the last point; before that, the exit code is 1. By `recover` it \
-is first thrown down, at any attitude with up to 5 rad/s, by --seed. --analyse tells of `disc-stable` without corrections speed and energy a metre, the \
-multipliers of half a turn, and from how much roll it comes back by itself. With --robots forces of legs, centre \
-of mass and friction (0.6 to 1.2 times the ground's) are drawn. --bears lets one thing be off at a time: the standard deviation of the legs' forces, how far the centre \
-of mass may be from the middle, friction, the slope of the ground along the first heading; CSV has a row for each number, in SI units, \
-with the share of robots and its 95 % interval (Wilson), and --plot draws them. The CSV of a run has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
+is first thrown down, at any attitude with up to 5 rad/s, by --seed. With --robots forces of legs, centre \
+of mass and friction (0.6 to 1.2 times the ground's) are drawn. The CSV of a run has a row a cycle: time_s, x_m, y_m, z_m (where its legs meet), quaternion_w to quaternion_z \
 (from the body's axes to the world's), vx_m_s to vz_m_s, spin_x_rad_s to spin_z_rad_s, lean_rad (of the leg or twins in the zone), \
 rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_ground (how many), fired_leg, valve_open_s, fired_twin, \
 twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_z_m and estimated_quaternion_w to estimated_quaternion_z \
@@ -259,10 +249,6 @@ impl Run {
         let robot = self.run_robot(learned.as_ref())?;
         if robot.space.is_some() {
             return self.ball(&robot);
-        }
-        if self.bears.is_some() {
-            let allowed = "used with a robot in space, whose body.shape is sphere";
-            return Err(CliError::flag("--bears", "", allowed));
         }
         let mut chosen = match &learned {
             Some(learned) => learned.chosen(&robot)?,

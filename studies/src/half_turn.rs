@@ -7,15 +7,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Complex, Matrix3, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3};
 use saltus_controller::ball::{Balance, Balancer, Rotation, Sight, Steer, Tracker};
+use saltus_gait::GaitError;
+use saltus_gait::space::{Facing, Gait, Knows, Roll, Stable, roll};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_sim_check::{Ledger, LegStart, Rig, Settings, Sim, Stepping};
 
-use super::balance::Stable;
-use super::disc::Facing;
-use super::{Gait, Knows, Roll, roll};
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// Numbers of a [`State`] that lie in the plane.
 pub const IN_PLANE: usize = 4;

@@ -1,22 +1,20 @@
 //! Over a box out of a run, or onto it.
 
-use saltus_controller::ball::{Firing, Plane, Tracker};
+use saltus_controller::ball::{Firing, Plane, Rotation, Tracker};
+use saltus_gait::space::{
+    DrawnBalls, Facing, Flashed, Hearing, Roll, Stable, Steered, drawn_ball,
+};
+use saltus_gait::{GaitError, Obstacle, Search, search};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 use saltus_robot::space::discs;
 use saltus_sim_check::{Rig, Settings, Sim, Stepping};
 
-use super::super::balance::Stable;
-use super::super::{
-    Ball, DrawnBalls, Facing, Knows, Roll, Sensed, Steered, drawn_ball, look, placed,
-};
-use super::block;
+use super::fly::seen;
 use super::leaper::{Leap, Leaper};
 use super::run_up::RunUp;
-use crate::GaitError;
-use crate::error::require;
-use crate::run::Obstacle;
-use crate::search::{Search, search};
+use super::{Cycle, block};
+use crate::require;
 
 /// A run over a box, or up to it and on upon it.
 ///
@@ -164,7 +162,7 @@ impl Over {
         leap: &Leap,
         seed: u64,
         k: usize,
-        row: impl FnMut(&Ball, f64) -> bool,
+        row: impl FnMut(&Cycle, f64) -> bool,
     ) -> Result<Passed, GaitError> {
         self.passed(leap, (seed, k), true, row)
     }
@@ -175,7 +173,7 @@ impl Over {
         leap: &Leap,
         (seed, k): (u64, usize),
         is_solid: bool,
-        mut row: impl FnMut(&Ball, f64) -> bool,
+        mut row: impl FnMut(&Cycle, f64) -> bool,
     ) -> Result<Passed, GaitError> {
         let front = self.front(seed, k);
         let obstacle = Obstacle {
@@ -185,17 +183,19 @@ impl Over {
         let mut stable = self.stable.clone();
         stable.rate = leap.rate;
         stable.first[0] = RunUp::to(&self.ups, front - leap.aim);
-        let mut setup = Roll::new(drawn_ball(&self.robot, &self.draw, seed, k)?, LONGEST);
-        setup.knows = Knows::Sensors(seed.wrapping_add(k as u64));
-        let (rest, facing) = setup.facing()?;
-        let directions = setup.robot.space.as_ref().map(|it| it.directions.vectors());
-        let directions = directions.unwrap_or_default();
-        let facings = Facing::every(&discs(&directions));
+        let robot = drawn_ball(&self.robot, &self.draw, seed, k)?;
+        let (rest, facing) = Roll::new(robot.clone(), LONGEST).facing()?;
+        let beyond = self.beyond(front);
+        let after = Steered::new(vec![[beyond + 2.0 * ON, 0.0]]);
+        let lead = after.lead(&robot)?;
+        let flashed = Flashed::new(&robot, &stable)?;
+        let facings = Facing::every(&discs(&flashed.directions));
         let planes: Vec<Plane<'_, f64>> = facings.iter().map(Facing::plane).collect();
         let solid = is_solid.then(|| block::surface(&obstacle));
-        let rig = Rig::new(&setup.robot, solid.as_slice())?;
-        let ahead = facing.ahead(&rest);
-        let (q, v) = placed(&rig, setup.start, rig.stand_on(&rest, &ahead)?);
+        let rig = Rig::new(&robot, solid.as_slice())?;
+        let mut q = rig.stand_on(&rest, &facing.ahead(&rest))?;
+        q[2] -= rig.foot_gaps(&q).into_iter().fold(f64::INFINITY, f64::min);
+        let v = vec![0.0; rig.mechanism.tree.velocities()];
         let settings = Settings {
             stepping: Stepping::USUAL,
             most_steps: usize::MAX,
@@ -203,11 +203,10 @@ impl Over {
         };
         let mut sim = Sim::new(&rig.mechanism, &q, &v, settings)?;
         sim.release_legs()?;
-        let mut sensed = Sensed::new(&setup, &directions, &q);
-        let beyond = self.beyond(front);
-        let after = Steered::new(vec![[beyond + 2.0 * ON, 0.0]]);
-        let lead = after.lead(&setup.robot)?;
-        let balance = stable.balance(&setup.robot)?;
+        let (place, attitude) = ([q[0], q[1], q[2]], [q[3], q[4], q[5], q[6]]);
+        let mut hearing = Hearing::new(&robot, attitude, seed.wrapping_add(k as u64));
+        let mut estimator = flashed.estimator((Rotation(attitude), place));
+        let balance = flashed.balance;
         let mut tracker = Tracker::new(facing.plane(), balance.zone);
         let mut leaper = Leaper::new(
             *leap,
@@ -223,30 +222,28 @@ impl Over {
         };
         let (mut last, mut cycles) = ((i32::MIN, 0.0), 0_u64);
         loop {
-            let (mut ball, _) = look(&rig, &sim, &mut tracker);
-            ball.estimate = sensed.as_mut().map(|sensed| sensed.take(&ball).1);
-            ball.fired = leaper.fire(&ball);
-            for Firing { leg, open } in &ball.fired {
-                sim.fire(*leg as usize, *open)?;
-                if let Some(sensed) = &mut sensed {
-                    sensed.estimator.fired(*leg);
-                }
+            let now = seen(&rig, &sim);
+            tracker.look(&Rotation(now.attitude), &now.spin);
+            estimator.take(&hearing.read(now.attitude, now.velocity, now.touching));
+            for Firing { leg, open } in leaper.fire(&now, estimator.estimate()) {
+                sim.fire(leg as usize, open)?;
+                estimator.fired(leg);
             }
             let clearance = self.clearance(&obstacle, &rig, &sim);
-            let goes_on = row(&ball, clearance);
-            passed.note(&ball, clearance, leaper.jumped());
-            if ball.passed > last.0 {
-                last = (ball.passed, ball.time);
+            let goes_on = row(&now, clearance);
+            passed.note(&now, clearance, leaper.jumped());
+            if tracker.passed() > last.0 {
+                last = (tracker.passed(), now.time);
             }
             let is_there =
-                ball.place[0] > beyond && (!self.is_onto || ball.place[2] > obstacle.height);
+                now.place[0] > beyond && (!self.is_onto || now.place[2] > obstacle.height);
             passed.cleared = passed.clearance > 0.0 && is_there;
-            passed.ran_on = passed.cleared && is_there && ball.place[0] > beyond + ON;
+            passed.ran_on = passed.cleared && is_there && now.place[0] > beyond + ON;
             let until = leaper
                 .jumped()
                 .map_or(last.1 + STANDS, |(_, time)| time + GOES_ON);
             let touched = is_solid && passed.clearance <= 0.0;
-            if passed.ran_on || touched || !goes_on || ball.time > until.min(LONGEST) {
+            if passed.ran_on || touched || !goes_on || now.time > until.min(LONGEST) {
                 return Ok(passed);
             }
             cycles += 1;
@@ -333,7 +330,7 @@ impl Over {
     /// What robot `k` of those drawn from `seed` is worth (m) that jumps as the numbers `x` say.
     fn worth(&self, x: &[f64], (seed, k): (u64, usize)) -> f64 {
         let back = self.beyond(self.front(seed, k)) + self.robot.body.radius;
-        let goes_on = |ball: &Ball, _| ball.place[0] < back;
+        let goes_on = |now: &Cycle, _| now.place[0] < back;
         // A box over which they fly need not be there, and tells how near they come.
         let passed = self.passed(&Leap::of(x), (seed, k), self.is_onto, goes_on);
         passed.map_or(LOST, |it| it.worth())
@@ -370,11 +367,11 @@ impl Leap {
 }
 
 impl Passed {
-    fn note(&mut self, ball: &Ball, clearance: f64, jumped: Option<(f64, f64)>) {
+    fn note(&mut self, now: &Cycle, clearance: f64, jumped: Option<(f64, f64)>) {
         self.clearance = self.clearance.min(clearance);
-        self.apex = self.apex.max(ball.place[2]);
+        self.apex = self.apex.max(now.place[2]);
         if let (None, Some((far, _))) = (self.jumped, jumped) {
-            (self.jumped, self.speed) = (Some(far), ball.velocity[0]);
+            (self.jumped, self.speed) = (Some(far), now.velocity[0]);
         }
     }
 

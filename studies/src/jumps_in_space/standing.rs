@@ -1,15 +1,14 @@
 //! How a robot stands before it jumps.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use saltus_gait::space::Facing;
+use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
 use saltus_sim_check::Rig;
 
-use super::super::Facing;
 use super::block;
-use crate::GaitError;
-use crate::error::{refused, require};
-use crate::run::Obstacle;
+use crate::{refused, require};
 
 /// On which feet a robot stands, which way it faces, and what is in front of it.
 #[derive(Clone, Debug)]

@@ -1,13 +1,12 @@
 //! Run-ups: where twins come onto the ground, by the first push.
 
 use saltus_controller::ball::{Rotation, Tracker};
+use saltus_gait::GaitError;
+use saltus_gait::space::{DrawnBalls, Gait, Knows, Roll, Stable, drawn_ball, roll};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
-use super::super::balance::Stable;
-use super::super::{DrawnBalls, Gait, Knows, Roll, drawn_ball, roll};
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// A first push, and where it leads.
 ///

@@ -1,12 +1,13 @@
 //! How well a ball knows its motion by its sensors, and that a worse estimate, and worse switches, are seen to be worse.
 
-use saltus_controller::ball::Rotation;
-use saltus_gait::GaitError;
-use saltus_gait::space::{
-    DrawnBalls, Flashed, Gait, Hearing, Known, Knows, Roll, Stable, drawn_ball, roll,
+use saltus::gait::GaitError;
+use saltus::gait::space::{
+    DrawnBalls, Flashed, Gait, Hearing, Knows, Roll, Stable, drawn_ball, roll,
 };
+use saltus_controller::ball::Rotation;
 use saltus_robot::Robot;
 use saltus_sim_check::Stepping;
+use saltus_tests::known::Known;
 
 const SECONDS: f64 = 20.0;
 /// What gyros read at rest (rad/s).

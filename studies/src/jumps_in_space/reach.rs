@@ -1,10 +1,10 @@
 //! Where a robot can land.
 
+use saltus_gait::GaitError;
 use saltus_numeric::parallel;
 
 use super::plan::{JumpPlan, Planner, far};
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// A place on the ground, and the jump to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,21 +19,15 @@ pub struct Spot {
 const MOST: f64 = 10_000.0;
 
 impl Planner {
-    /// Jumps to all places of a grid with this `spacing` (m) as far as any legs that fire together reach, and one more;
-    /// `told` hears of each. The same for any number of `threads`.
+    /// Jumps to all places of a grid with this `spacing` (m) as far as any legs that fire together reach, and one more. The same
+    /// for any number of `threads`.
     ///
     /// # Errors
     /// [`GaitError::Input`] for a spacing that makes no map, [`GaitError::Sim`] for a motion that cannot go on.
-    pub fn reach(
-        &self,
-        spacing: f64,
-        threads: usize,
-        told: &(impl Fn() + Sync),
-    ) -> Result<Vec<Spot>, GaitError> {
+    pub fn reach(&self, spacing: f64, threads: usize) -> Result<Vec<Spot>, GaitError> {
         let targets = self.grid(spacing)?;
         let all = parallel::map_on(threads, targets.len(), |k| {
             let plan = self.to(targets[k], 1);
-            told();
             plan.map(|plan| Spot {
                 target: targets[k],
                 plan,

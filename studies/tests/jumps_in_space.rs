@@ -1,11 +1,11 @@
 //! Jumps of a robot in space.
 
-use saltus_gait::space::jump::{
-    Command, Flown, Guide, Jump, Leap, Over, Passed, Planner, Stance, Standing, Touch, fly, landed,
-};
 use saltus_gait::space::{DrawnBalls, Knows, drawn_ball};
 use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::{Robot, resolve};
+use saltus_studies::jumps_in_space::{
+    Command, Flown, Guide, Jump, Leap, Over, Passed, Planner, Stance, Standing, Touch, fly, landed,
+};
 
 fn twelve(overrides: &[&str]) -> Robot {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
@@ -32,7 +32,7 @@ fn simulated(
         guide: None,
         knows: Knows::Truth,
     };
-    fly(robot, standing, &jump, 0.0, |_| {})
+    fly(robot, standing, &jump, 0.0)
 }
 
 fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -201,7 +201,7 @@ fn it_jumps_onto_a_step() -> Result<(), GaitError> {
         let near = landed(&flown).is_some_and(|at| far(at, target) < 0.1);
         up += usize::from(near && flown.clearance > 0.0 && flown.rests[2] > 0.3);
     }
-    // Of 100 robots 93 do (docs/space.md; 95 %: 86 to 97): of 20 that means 15 or more, but for one
+    // Of 100 robots 93 do (95 %: 86 to 97): of 20 that means 15 or more, but for one
     // draw in a hundred.
     assert!(up >= 15, "{up} of 20");
     Ok(())
@@ -254,7 +254,7 @@ fn closing_valves_by_sensors_makes_robots_land_alike() -> Result<(), GaitError> 
                 guide: guide.clone(),
                 knows: Knows::Sensors(k as u64),
             };
-            let [x, _] = landed(&fly(&own, &standing, &jump, 0.0, |_| {})?).expect("it lands");
+            let [x, _] = landed(&fly(&own, &standing, &jump, 0.0)?).expect("it lands");
             all.push(x);
         }
         let mean = all.iter().sum::<f64>() / 24.0;
@@ -284,7 +284,6 @@ const BOX: Obstacle = Obstacle {
 };
 
 #[test]
-#[ignore = "nightly: 4 s"]
 fn robots_come_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let over = Over::new(&robot, BOX, BOX.front, 2)?;
@@ -314,7 +313,6 @@ fn robots_come_over_a_box_out_of_a_run_and_not_without_a_jump() -> Result<(), Ga
 
 /// The first push moves the places of the feet by up to as much as feet of twins are apart: wherever the box is, some jump.
 #[test]
-#[ignore = "nightly: 5 s"]
 fn the_first_push_brings_twins_before_a_box_wherever_it_is() -> Result<(), GaitError> {
     let robot = twelve(&[]);
     let over = Over::new(&robot, BOX, BOX.front + 1.0, 2)?;

@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use saltus_gait::space::Stable;
-use saltus_gait::space::stride::{IN_PLANE, LATERAL, Roller, State};
 use saltus_robot::{Robot, resolve};
+use saltus_studies::half_turn::{IN_PLANE, LATERAL, Roller, State};
 
 /// Time step (s).
 const STEP: f64 = 2e-4;
@@ -63,7 +63,6 @@ fn a_plain_roll_repeats_and_pays_for_what_it_loses() {
 }
 
 #[test]
-#[ignore = "nightly: 6 s"]
 fn what_does_not_matter_is_neutral_and_small_rolls_come_back() {
     let (roller, start) = roller();
     let slopes = roller.slopes(&start, 0.05).unwrap().unwrap();
@@ -95,7 +94,6 @@ fn what_does_not_matter_is_neutral_and_small_rolls_come_back() {
 
 /// The regulator makes the map that it is for stable, as the theory says; with no twins it would not be.
 #[test]
-#[ignore = "nightly: 5 s"]
 fn the_regulator_holds_the_linear_map() {
     let (roller, start) = roller();
     let slopes = roller.slopes(&start, 1.0).unwrap().unwrap();

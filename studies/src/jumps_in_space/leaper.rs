@@ -3,9 +3,9 @@
 use saltus_controller::ball::{
     Balance, Balancer, Estimate, Firing, Lead, Lying, Pilot, Plane, Sight, View,
 };
+use saltus_gait::space::FALLS;
 
-use super::super::balance::Course;
-use super::super::{Ball, FALLS};
+use super::Cycle;
 
 /// When a robot that rolls jumps: by twins, whose two legs push.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +34,8 @@ pub(super) struct Leaper<'a> {
     leap: Leap,
     /// Where the box's front is (m).
     front: f64,
-    course: Course,
-    period: f64,
+    /// Where its line is, across it (m): where it begins.
+    line: Option<f64>,
     /// What rolls it until it falls after its landing, and what sets it out again after that.
     balancer: Balancer<'a, f64>,
     pilot: Pilot<'a, f64>,
@@ -75,8 +75,7 @@ impl<'a> Leaper<'a> {
         Leaper {
             leap,
             front,
-            course: Course::new(0.0),
-            period: balance.period,
+            line: None,
             balancer: Balancer::new(balance, plane),
             pilot: Pilot::new(lead, planes, path),
             phase: Phase::Runs,
@@ -91,34 +90,31 @@ impl<'a> Leaper<'a> {
         self.jumped
     }
 
-    /// The legs that fire in the cycle of `ball`.
-    pub(super) fn fire(&mut self, ball: &Ball) -> Vec<Firing<f64>> {
-        let known = ball.known();
+    /// The legs that fire in the cycle `now` of a robot that takes its motion for what is `known`.
+    pub(super) fn fire(&mut self, now: &Cycle, known: &Estimate<f64>) -> Vec<Firing<f64>> {
         if self.phase == Phase::Fell {
-            let view = View::of(&known, ball.touching);
+            let view = View::of(known, now.touching);
             return self.pilot.step(&view).into_iter().flatten().collect();
         }
-        let heading = self.course.turn(self.period, &known.place);
-        let [aside, aside_rate] = self.course.aside(&known.place, &known.velocity);
         let sight = Sight {
             attitude: known.attitude,
             spin: known.spin,
-            aside,
-            aside_rate,
-            course: heading,
-            touching: ball.touching,
+            aside: known.place[1] - *self.line.get_or_insert(known.place[1]),
+            aside_rate: known.velocity[1],
+            course: 0.0,
+            touching: now.touching,
         };
         let (lying, fired) = self.balancer.step(&sight);
-        self.turn_over(ball, &lying);
+        self.turn_over(now, &lying);
         match self.phase {
             Phase::Runs => {}
             Phase::Landed => return fired.into_iter().flatten().collect(),
             Phase::Pushes | Phase::Flies | Phase::Fell => return Vec::new(),
         }
         let fires = fired.iter().any(Option::is_some);
-        if self.jumps(&known, &lying, (fires, ball)) {
+        if self.jumps(known, &lying, (fires, now)) {
             self.phase = Phase::Pushes;
-            self.jumped = Some((self.front - known.place[0], ball.time));
+            self.jumped = Some((self.front - known.place[0], now.time));
             let legs = self.balancer.tracker().station().map(|it| it.legs);
             let open = self.leap.open;
             let fire = |leg| Firing { leg, open };
@@ -128,26 +124,26 @@ impl<'a> Leaper<'a> {
     }
 
     /// From one phase to the next.
-    fn turn_over(&mut self, ball: &Ball, lying: &Lying<f64>) {
+    fn turn_over(&mut self, now: &Cycle, lying: &Lying<f64>) {
         let passed = self.balancer.tracker().passed();
         if passed > self.last.0 {
-            self.last = (passed, ball.time);
+            self.last = (passed, now.time);
         }
-        let is_stuck = ball.time > self.last.1 + STUCK;
+        let is_stuck = now.time > self.last.1 + STUCK;
         self.phase = match self.phase {
-            Phase::Pushes if ball.touching == 0 => Phase::Flies,
-            Phase::Flies if ball.touching != 0 => Phase::Landed,
+            Phase::Pushes if now.touching == 0 => Phase::Flies,
+            Phase::Flies if now.touching != 0 => Phase::Landed,
             Phase::Pushes | Phase::Landed if lying.roll.abs() > FALLS || is_stuck => Phase::Fell,
             phase => phase,
         };
     }
 
-    /// Whether the station that stands jumps; `fires`: whether the gait fires it in the cycle of a ball.
+    /// Whether the station that stands jumps; `fires`: whether the gait fires it in the cycle `now`.
     fn jumps(
         &mut self,
         known: &Estimate<f64>,
         lying: &Lying<f64>,
-        (fires, ball): (bool, &Ball),
+        (fires, now): (bool, &Cycle),
     ) -> bool {
         let tracker = self.balancer.tracker();
         let here = tracker.passed();
@@ -159,7 +155,7 @@ impl<'a> Leaper<'a> {
         let from = leap.from + leap.by_speed[0] * faster;
         let far = self.front - known.place[0];
         let lean = leap.lean + leap.nearer * (from - far) + leap.by_speed[1] * faster;
-        let touches = |leg: &u32| ball.touching >> *leg & 1 == 1;
+        let touches = |leg: &u32| now.touching >> *leg & 1 == 1;
         let stands = station.legs.iter().any(touches);
         // Twins decide once, where they come to their lean; legs that have pushed have no stroke left.
         if !stands || self.decided == Some(here) || !(lying.lean >= lean || fires) {

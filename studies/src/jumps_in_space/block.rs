@@ -1,12 +1,11 @@
 //! A box that lies across the way of a robot, and is wider than it.
 
+use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::Robot;
 use saltus_sim_check::{Rig, Sim, Surface, Vec3};
 
 use super::hull::{self, Flat};
-use crate::GaitError;
-use crate::error::require;
-use crate::run::Obstacle;
+use crate::require;
 
 /// Half its width (m).
 const WIDE: f64 = 10.0;

@@ -1,8 +1,7 @@
 //! How well a ball knows its motion by its sensors.
 
+use saltus::gait::space::{Ball, FALLS};
 use saltus_controller::ball::Rotation;
-
-use super::{Ball, FALLS};
 
 /// What its sensors make of a run, against the truth.
 ///

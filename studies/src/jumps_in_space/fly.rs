@@ -2,17 +2,16 @@
 
 use nalgebra::Vector3;
 use saltus_controller::ball::{Estimator, Rotation};
+use saltus_gait::GaitError;
+use saltus_gait::space::{Flashed, Hearing, Knows, Stable};
 use saltus_robot::Robot;
 use saltus_sim_check::{Rig, Settings, Sim, Stepping};
 
-use super::super::Knows;
-use super::super::sensing::{Senses, estimator};
 use super::block;
 use super::guide::{Guide, Known};
 use super::standing::{Standing, quaternion};
 use super::{Command, Lift, Touch};
-use crate::GaitError;
-use crate::error::require;
+use crate::require;
 
 /// What became of a jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,10 +23,8 @@ pub struct Flown {
     /// Least distance (m) between the box and the hull of the feet before that; 0 or less: it ran against it. Infinite without
     /// a box.
     pub clearance: f64,
-    /// Where its legs meet in the end (m), and its speed there (m/s).
+    /// Where its legs meet in the end (m).
     pub rests: [f64; 3],
-    /// Speed (m/s) there.
-    pub speed: f64,
 }
 
 impl Flown {
@@ -43,7 +40,6 @@ impl Flown {
             touch: None,
             clearance: f64::INFINITY,
             rests: [0.0; 3],
-            speed: 0.0,
         }
     }
 }
@@ -89,8 +85,7 @@ impl Jump {
     }
 }
 
-/// `robot` jumps from `standing` as `jump` says, and is followed until it has landed and `after` (s) more; `row` hears of
-/// each cycle.
+/// `robot` jumps from `standing` as `jump` says, and is followed until it has landed and `after` (s) more.
 ///
 /// # Errors
 /// [`GaitError`] for commands that cannot be, and a motion that cannot go on.
@@ -99,7 +94,6 @@ pub fn fly(
     standing: &Standing,
     jump: &Jump,
     after: f64,
-    mut row: impl FnMut(&Cycle),
 ) -> Result<Flown, GaitError> {
     let commands = &jump.commands;
     check(commands)?;
@@ -121,9 +115,8 @@ pub fn fly(
     let last = |it: &Command| it.at + it.open + robot.own_leg(it.leg).delay;
     let pushed = commands.iter().map(last).fold(0.0, f64::max);
     let period = robot.sensors.unwrap_or_default().period;
-    let directions = robot.space.as_ref().map(|it| it.directions.vectors());
-    let directions = directions.unwrap_or_default();
-    let mut valves = Valves::new(robot, standing, jump, &directions);
+    let flashed = Flashed::new(robot, &Stable::default())?;
+    let mut valves = Valves::new(robot, standing, jump, &flashed);
     let (mut flown, mut cycles) = (Flown::none(), 0_u64);
     let mut apex = 0.0_f64;
     loop {
@@ -141,12 +134,10 @@ pub fn fly(
         sim.drain_events();
         cycles += 1;
         let now = seen(&rig, &sim);
-        row(&now);
         for leg in valves.close(&now) {
             sim.switch(leg, false)?;
         }
         flown.rests = now.place;
-        flown.speed = Vector3::from(now.velocity).norm();
         let is_up = now.touching == 0 && orders.is_empty();
         match (flown.lift, flown.touch) {
             (None, _) if is_up && now.velocity[2] > 0.0 => {
@@ -209,7 +200,7 @@ struct Valves<'a> {
     /// What fires: leg and time (s), and whether it is still to be closed.
     legs: Vec<(usize, f64)>,
     open: Vec<bool>,
-    sensed: Option<(Senses, Estimator<'a, f64>)>,
+    sensed: Option<(Hearing, Estimator<'a, f64>)>,
 }
 
 impl<'a> Valves<'a> {
@@ -217,14 +208,14 @@ impl<'a> Valves<'a> {
         robot: &Robot,
         standing: &Standing,
         jump: &Jump,
-        directions: &'a [[f64; 3]],
+        flashed: &'a Flashed<f64>,
     ) -> Valves<'a> {
         let start = (Rotation(standing.attitude), standing.place);
         let sensed = match jump.knows {
             Knows::Truth => None,
             Knows::Sensors(seed) => Some((
-                Senses::new(robot, standing.turned(), seed),
-                estimator(robot, directions, start),
+                Hearing::new(robot, standing.attitude, seed),
+                flashed.estimator(start),
             )),
         };
         Valves {
@@ -249,7 +240,7 @@ impl<'a> Valves<'a> {
             velocity: Vector3::from(now.velocity),
         };
         if let Some((senses, estimator)) = &mut self.sensed {
-            estimator.take(&senses.read(known.attitude, known.velocity, now.touching));
+            estimator.take(&senses.read(now.attitude, now.velocity, now.touching));
             let estimate = estimator.estimate();
             known = Known {
                 attitude: quaternion(estimate.attitude.0),
@@ -272,7 +263,8 @@ impl<'a> Valves<'a> {
     }
 }
 
-fn seen(rig: &Rig, sim: &Sim<'_>) -> Cycle {
+/// The cycle that `sim` has come to.
+pub(super) fn seen(rig: &Rig, sim: &Sim<'_>) -> Cycle {
     let (q, v) = (sim.coordinates(), sim.velocities());
     let gaps = rig.foot_gaps(q);
     let touching = (0..gaps.len()).filter(|leg| gaps[*leg] <= 0.0);

@@ -1,17 +1,16 @@
 //! Which legs fire when, and for how long, to come down at a place.
 
+use saltus_gait::space::{DrawnBalls, Knows, drawn_ball};
+use saltus_gait::{GaitError, Search, search};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
-use super::super::{DrawnBalls, Knows, drawn_ball};
 use super::fly::{Flown, Jump, fly};
 use super::guide::Guide;
 use super::stance::Stance;
 use super::standing::Standing;
 use super::{Command, Touch};
-use crate::GaitError;
-use crate::error::require;
-use crate::search::{Search, search};
+use crate::require;
 
 /// Plans jumps of a robot from rest.
 ///
@@ -128,21 +127,6 @@ impl Planner {
     /// How it stands.
     pub fn standing(&self) -> &Standing {
         &self.standing
-    }
-
-    /// Where the feet on which it stands are (m).
-    pub fn feet_places(&self) -> Vec<[f64; 2]> {
-        let directions = self.robot.space.as_ref().map(|it| it.directions.vectors());
-        let directions = directions.unwrap_or_default();
-        let reach = self.robot.body.radius - self.robot.foot.radius;
-        let place = |leg: &usize| {
-            let foot = self.standing.turned() * nalgebra::Vector3::from(directions[*leg]) * reach;
-            [
-                self.standing.place[0] + foot.x,
-                self.standing.place[1] + foot.y,
-            ]
-        };
-        self.standing.rest.legs.iter().map(place).collect()
     }
 
     /// Every leg that stands with each opening time and moment of the tables.
@@ -294,7 +278,7 @@ impl Planner {
             let jump = self.jump(&x, aim);
             let flown = parallel::map_on(threads, self.drawn.len(), |k| {
                 let jump = jump.by_sensors(self.seed.wrapping_add(k as u64));
-                fly(&self.drawn[k].0, &self.standing, &jump, 0.0, |_| {})
+                fly(&self.drawn[k].0, &self.standing, &jump, 0.0)
             });
             let flown = flown.into_iter().collect::<Result<Vec<_>, _>>()?;
             let places: Vec<[f64; 2]> = flown.iter().filter_map(clear).collect();
@@ -334,7 +318,7 @@ impl Planner {
     ) -> Result<JumpPlan, GaitError> {
         let guide = jump.guide.clone();
         let modelled = self.model.jump(&self.standing, &jump.commands, guide);
-        let flown = fly(&self.robot, &self.standing, &jump, 0.0, |_| {})?;
+        let flown = fly(&self.robot, &self.standing, &jump, 0.0)?;
         let miss = landed(&flown).map_or(f64::INFINITY, |at| far(at, target));
         Ok(JumpPlan {
             jump,
@@ -358,7 +342,7 @@ impl Planner {
     ) -> Result<Flown, GaitError> {
         let robot = drawn_ball(&self.robot, &self.draw, seed, k)?;
         let jump = plan.jump.by_sensors(seed.wrapping_add(k as u64));
-        fly(&robot, &self.standing, &jump, after, |_| {})
+        fly(&robot, &self.standing, &jump, after)
     }
 
     /// Where the first firings land in the model (m): the extent of what can be reached.

@@ -5,15 +5,14 @@
 //! as rigid rods on rubber feet.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::{Drive, Robot, Term};
 
 use super::block;
 use super::guide::{Guide, Known};
 use super::standing::Standing;
 use super::{Command, Lift, Touch};
-use crate::GaitError;
-use crate::error::{refused, require};
-use crate::run::Obstacle;
+use crate::{refused, require};
 
 type Vec3 = Vector3<f64>;
 
