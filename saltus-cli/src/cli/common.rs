@@ -4,10 +4,10 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use saltus::Robot;
 use saltus::experiment::{self, Folder};
 use saltus::on_plant::OnPlant;
 use saltus::verify::Verification;
+use saltus::{Launch, Robot};
 
 use crate::error::CliError;
 use crate::input;
@@ -224,17 +224,10 @@ pub(crate) fn note_valve(robot: &Robot, given: Option<&str>) {
     }
 }
 
-/// Those of `columns` (name, title, unit) that `robot` has: without a valve, no opening time.
-pub(crate) fn shown<'a>(
-    columns: &[(&'a str, &'a str, &'a str)],
-    robot: &Robot,
-) -> Vec<(&'a str, &'a str, &'a str)> {
+/// The valve opening time (s) of a launch; of a leg without a valve none.
+pub(crate) fn opening(robot: &Robot, launch: &Launch) -> Option<f64> {
     let has_valve = robot.leg.drive.has_valve();
-    columns
-        .iter()
-        .copied()
-        .filter(|(name, ..)| has_valve || *name != "valve_open_s")
-        .collect()
+    has_valve.then_some(launch.valve_open)
 }
 
 /// Options of every command that reports.

@@ -14,9 +14,8 @@ use serde_json::{Map, Value, json};
 use super::Status;
 use super::common::{OutputFlags, RobotFlags};
 use super::diagnose::Claims;
-use super::diagnose::words::{grid, split, with_unit};
 use crate::error::CliError;
-use crate::output::{self, Format, digits};
+use crate::output::{self, Format, digits, grid, split, with_unit};
 use crate::progress::Progress;
 
 /// Say what a planned experiment can tell: how often a diagnosis of its data would name each effect

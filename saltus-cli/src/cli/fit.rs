@@ -14,7 +14,7 @@ use super::Status;
 use super::common::{OutputFlags, RobotFlags, read_folders};
 use super::diagnose::words;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits, reachable};
+use crate::output::{self, Files, Format, digits, reachable, unit};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
@@ -138,7 +138,7 @@ impl Fit {
 fn slip_of(p: &Parameter) -> Option<String> {
     let error = p.error.unwrap_or(f64::NAN);
     slip(&Estimated {
-        unit: words::unit(&p.name),
+        unit: unit(&p.name),
         believed: p.believed,
         value: p.value,
         error,

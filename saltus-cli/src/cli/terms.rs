@@ -6,7 +6,7 @@ use saltus::Robot;
 use serde_json::{Map, Value, json};
 
 use super::common::note_valve;
-use crate::output::{Cell, digits};
+use crate::output::{Cell, Table, digits};
 use crate::quantity;
 
 /// Flags that say where a jump starts and ends.
@@ -145,27 +145,29 @@ impl Terms {
         }
     }
 
-    /// `columns`, and those that say in every row what a table was made for.
-    pub(crate) fn columns(&self, columns: &[&'static str]) -> Vec<&'static str> {
+    /// `table`, whose rows have these firing angles, with the columns that say in every row what it was
+    /// made for.
+    pub(crate) fn told(
+        &self,
+        table: Table,
+        angles: impl IntoIterator<Item = Option<f64>>,
+    ) -> Table {
         let plant = self.plant.iter().flat_map(|_| PLANT_COLUMNS);
-        let all = columns.iter().copied().chain(COLUMNS);
-        all.chain(plant).collect()
-    }
-
-    /// The cells of the columns that [`columns`](Terms::columns) adds, for a row with this firing
-    /// angle.
-    pub(crate) fn cells(&self, firing_angle: Option<f64>) -> Vec<Cell> {
-        let mut cells = vec![
-            Cell::from(self.has_valve.then_some(self.valve_open)),
-            Cell::from(firing_angle.map(|angle| self.start_lean.unwrap_or(angle))),
-            Cell::from(self.landing_height),
-            Cell::Text(self.robot.clone()),
-            Cell::Text(self.fingerprint.clone()),
-            Cell::Word(env!("CARGO_PKG_VERSION")),
-        ];
-        let plant = self.plant.iter().flatten();
-        cells.extend(plant.map(|word| Cell::Text(word.clone())));
-        cells
+        let columns: Vec<&str> = COLUMNS.into_iter().chain(plant).collect();
+        let cells = |angle: Option<f64>| {
+            let mut cells = vec![
+                Cell::from(self.has_valve.then_some(self.valve_open)),
+                Cell::from(angle.map(|angle| self.start_lean.unwrap_or(angle))),
+                Cell::from(self.landing_height),
+                Cell::Text(self.robot.clone()),
+                Cell::Text(self.fingerprint.clone()),
+                Cell::Word(env!("CARGO_PKG_VERSION")),
+            ];
+            let plant = self.plant.iter().flatten();
+            cells.extend(plant.map(|word| Cell::Text(word.clone())));
+            cells
+        };
+        table.with(&columns, angles.into_iter().map(cells))
     }
 
     /// What heads a JSON document: the command, and what its numbers were made for.

@@ -11,8 +11,7 @@ use super::bars::Bars;
 use super::known;
 use super::report::{Report, next_of, ratio};
 use super::steps::steps;
-use super::words::split;
-use crate::output::digits;
+use crate::output::{digits, split};
 use crate::plot::span;
 
 const STYLE: &str = include_str!("page.css");

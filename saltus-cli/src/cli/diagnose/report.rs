@@ -13,8 +13,8 @@ use super::Found;
 use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
-use super::words::{estimate, grid, interval, misstated, split, unit, with_unit};
-use crate::output::digits;
+use super::words::{estimate, interval, misstated};
+use crate::output::{digits, grid, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.

@@ -3,7 +3,7 @@
 use saltus::diagnosis::{Fit, points};
 
 use super::report::Report;
-use super::words::split;
+use crate::output::split;
 use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREY, RED};

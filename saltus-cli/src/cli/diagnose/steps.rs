@@ -6,9 +6,9 @@ use saltus::Robot;
 use saltus::diagnosis::{Candidate, Finding, Reported};
 use serde_json::{Value, json};
 
-use super::words::{estimate, unit};
+use super::words::estimate;
 use super::{Diagnose, Found};
-use crate::output::digits;
+use crate::output::{digits, unit};
 
 /// A step: what to do, and the command that does it.
 pub(super) struct Step {
