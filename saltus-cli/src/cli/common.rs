@@ -9,6 +9,7 @@ use saltus::on_plant::OnPlant;
 use saltus::verify::Verification;
 use saltus::{Launch, Robot};
 
+use super::recorded::Beside;
 use crate::error::CliError;
 use crate::input;
 use crate::output::{Files, Format, message, reachable, reachable_folder};
@@ -92,7 +93,7 @@ impl RobotFlags {
     }
 
     /// The robot with its overrides, for the planar model, where its tank empties.
-    fn emptying_robot(&self) -> Result<Robot, CliError> {
+    pub(crate) fn emptying_robot(&self) -> Result<Robot, CliError> {
         let robot = self.robot()?;
         let ignored = robot.beyond_the_plane();
         if !ignored.is_empty() {
@@ -235,7 +236,10 @@ pub(crate) fn opening(robot: &Robot, launch: &Launch) -> Option<f64> {
 #[command(next_help_heading = "Robot and output")]
 pub(crate) struct Common {
     #[command(flatten)]
-    robot: RobotFlags,
+    pub(crate) robot: RobotFlags,
+
+    #[command(flatten)]
+    pub(crate) plot: PlotOption,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -399,24 +403,29 @@ impl PlotOption {
 }
 
 impl Common {
-    /// The robot with its overrides.
-    pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        self.robot.robot()
+    /// Refuses files that cannot be written, before long work.
+    pub(crate) fn ready(&self) -> Result<(), CliError> {
+        self.output.ready(&self.plot)
     }
 
-    /// The robot with its overrides, for the planar model: says what of it that model leaves out.
-    pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
-        self.robot.planned_robot()
+    /// Writes the report and the plot, if one is asked for: both or neither.
+    pub(crate) fn write(
+        &self,
+        report: String,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+    ) -> Result<(), CliError> {
+        self.write_with(report, drawing, None)
     }
 
-    /// The robot with its overrides, for jumps in the plane that empty its tank.
-    pub(crate) fn emptying_robot(&self) -> Result<Robot, CliError> {
-        self.robot.emptying_robot()
-    }
-
-    /// The flags that say which robot.
-    pub(crate) fn robot_flags(&self) -> &RobotFlags {
-        &self.robot
+    /// The same with more files: the flag, the name and the contents of each.
+    pub(crate) fn write_with<'a>(
+        &self,
+        report: String,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        more: impl IntoIterator<Item = Beside<'a>>,
+    ) -> Result<(), CliError> {
+        let output = &self.output;
+        output.write_with(report, &self.plot, drawing, more)
     }
 }
 
@@ -521,12 +530,12 @@ impl OutputFlags {
 
     /// Refuses a report that cannot be written, before long work.
     pub(crate) fn report_ready(&self) -> Result<(), CliError> {
+        self.check()?;
         self.out.ready()
     }
 
     /// Writes the report alone.
     pub(crate) fn write_report(&self, report: String) -> Result<(), CliError> {
-        self.check()?;
         self.out.write(report)
     }
 
@@ -556,8 +565,6 @@ impl OutputFlags {
             files.add(flag, path, contents.into());
         }
         files.report(self.out(), report);
-        files.check()?;
-        self.check()?;
         files.write()
     }
 }

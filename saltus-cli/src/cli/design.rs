@@ -76,7 +76,6 @@ CSV columns, one row for each parameter of an effect: cause (the id), column, pa
 
 impl Design {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
         self.output.report_ready()?;
         let plan = Plan::open(&self.plan)?;
         let robot = self.robot_of(&plan)?;

@@ -7,7 +7,7 @@ use saltus::{Launch, Outcome};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlotOption};
+use super::common::Common;
 use super::terms::{TermFlags, Terms, VALVE_OPEN};
 use crate::error::CliError;
 use crate::output::{self, Column, Format, Table as Rows, columns, digits};
@@ -40,9 +40,6 @@ pub(crate) struct FillingOf {
 
     #[command(flatten)]
     terms: TermFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -116,8 +113,8 @@ const SHOWN: usize = 24;
 
 impl FillingOf {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let robot = self.common.emptying_robot()?;
+        self.common.ready()?;
+        let robot = self.common.robot.emptying_robot()?;
         let terms = self.terms.of(&robot);
         let request = self.request(&terms);
         let found = filling(robot.clone(), &request).map_err(|error| self.failed(&robot, error))?;
@@ -127,12 +124,8 @@ impl FillingOf {
             Format::Text => text(&found, &terms, &robot, &request),
         };
         let drawing = || Ok(sheet(&found, &robot));
-        self.common.write_with_plot(report, &self.plot, drawing)?;
-        Ok(if found.jumps() > 0 {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write(report, drawing)?;
+        Ok(Status::of(found.jumps() > 0))
     }
 
     fn request(&self, terms: &Terms) -> Request {

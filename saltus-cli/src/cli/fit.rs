@@ -126,11 +126,7 @@ impl Fit {
         }
         files.report(self.output.out(), text);
         files.write()?;
-        Ok(if fitted.estimate.undetermined.is_empty() {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(fitted.estimate.undetermined.is_empty()))
     }
 }
 

@@ -178,11 +178,7 @@ impl Jump {
             _ => answer.text(),
         };
         self.output.write_report(report)?;
-        Ok(if answer.share().value() >= ENOUGH {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(answer.share().value() >= ENOUGH))
     }
 }
 

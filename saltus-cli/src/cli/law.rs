@@ -7,7 +7,7 @@ use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption};
+use super::common::{Common, PlantFlags};
 use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
@@ -31,9 +31,6 @@ pub(crate) struct Law {
 
     #[command(flatten)]
     plant: PlantFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -128,8 +125,8 @@ struct Near {
 
 impl Law {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        self.common.ready()?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         let request = self.target.request(Roots::Least, &robot)?;
         let (planner, found, proof) = {
             let _progress = Progress::new("law", 0);
@@ -151,12 +148,8 @@ impl Law {
             Format::Text => self.text(&found, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.drawing(&found, &terms, planner.robot());
-        self.common.write_with_plot(report, &self.plot, drawing)?;
-        Ok(if found.iter().all(|one| one.law.is_some()) {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write(report, drawing)?;
+        Ok(Status::of(found.iter().all(|one| one.law.is_some())))
     }
 
     fn rows(&self, found: &[Found], terms: &Terms) -> Rows {

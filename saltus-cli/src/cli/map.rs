@@ -6,7 +6,7 @@ use saltus::{Outcome, Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption, Threads};
+use super::common::{Common, PlantFlags, Threads};
 use super::terms::{TermFlags, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Column, Format, Table as Rows, columns, digits};
@@ -45,9 +45,6 @@ pub(crate) struct Map {
 
     #[command(flatten)]
     plant: PlantFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -103,7 +100,7 @@ const BLOCK: usize = 4096;
 
 impl Map {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         let count = self.omega.len().saturating_mul(self.alpha_f.len());
         if count > MOST {
             return Err(CliError::flag(
@@ -112,11 +109,11 @@ impl Map {
                 format!("{MOST} combinations at most, not {count}"),
             ));
         }
-        if self.plot.is_set() && count > MOST_DRAWN {
+        if self.common.plot.is_set() && count > MOST_DRAWN {
             let allowed = format!("used with {MOST_DRAWN} combinations at most, not {count}");
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         self.terms.note_valve(&robot);
         let map = match &plant {
             Some(plant) => {
@@ -138,13 +135,9 @@ impl Map {
             Format::Text => self.text(&map, &rows, &robot),
         };
         let drawing = || Ok(Drawing::Map(self.drawing(&map, &robot)));
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        self.common.write(report, drawing)?;
         let lands = |spot: &Spot| number(spot, |result| result.distance).is_some();
-        Ok(if map.spots.iter().any(lands) {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(map.spots.iter().any(lands)))
     }
 
     /// The map, some rates after the others, so that one sees how far it is.

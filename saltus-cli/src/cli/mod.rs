@@ -121,6 +121,13 @@ pub(crate) enum Status {
     Interrupted,
 }
 
+impl Status {
+    /// Done where the answer is yes.
+    fn of(yes: bool) -> Status {
+        if yes { Status::Done } else { Status::No }
+    }
+}
+
 impl Cli {
     /// Parses the words after the program's name.
     ///

@@ -73,6 +73,7 @@ const MOVED: &[Moved] = &[
         "--period",
         "it is that of the robot's sensors: --set sensors.period_ms=5",
     ),
+    gone("diagnose", "--plot", "the page of --report has the charts"),
     to_command("diagnose", "--power", "saltus design PLAN.toml"),
     to_command(
         "diagnose",

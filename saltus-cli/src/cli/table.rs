@@ -7,7 +7,7 @@ use saltus::{Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption};
+use super::common::{Common, PlantFlags};
 use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
@@ -26,9 +26,6 @@ pub(crate) struct Table {
 
     #[command(flatten)]
     plant: PlantFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -142,8 +139,8 @@ const BLOCK: usize = 64;
 
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        self.common.ready()?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         let request = self.target.request(Roots::All, &robot)?;
         let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;
         let mut table = compute(&planner, &request)?;
@@ -160,13 +157,9 @@ impl Table {
             Format::Text => self.text(&rows, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.curves(&table, &request, &terms, planner.robot());
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        self.common.write(report, drawing)?;
         let all_feasible = table.cells.iter().all(|cell| !cell.entries.is_empty());
-        Ok(if all_feasible {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(all_feasible))
     }
 
     fn rows(&self, table: &Cells, terms: &Terms, robot: &Robot) -> Rows {

@@ -1,11 +1,9 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
-mod bars;
 mod known;
 mod page;
 mod replan;
 mod report;
-mod sheet;
 mod steps;
 pub(super) mod words;
 
@@ -21,12 +19,10 @@ use saltus::study::{self, Study, Worth};
 use self::replan::{Course, Replan};
 use self::report::Report;
 use super::Status;
-use super::common::{
-    OutputFlags, PlantFlags, PlotOption, RobotFlags, Seed, page_file, read_folders,
-};
+use super::common::{OutputFlags, PlantFlags, RobotFlags, Seed, page_file, read_folders};
 use crate::error::CliError;
 use crate::input;
-use crate::output::{Format, reachable};
+use crate::output::{Files, Format, reachable};
 use crate::progress::Progress;
 
 /// Compare measured data with the simulation: name the wrong cause, its size, and what its
@@ -65,9 +61,6 @@ pub(crate) struct Diagnose {
     /// Write a page with charts to hand on, in one file
     #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
     report: Option<PathBuf>,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -128,7 +121,7 @@ drives the machine, but neither which of its rivals nor how strong it is; it the
 
 The text says what was found, how well data left out of the fit are predicted before and after, what is \
 left in each channel and phase of the runs and whether that is noise, what every cause alone would \
-explain, and what to do next. --report writes the same as a page with charts, --plot the residuals before and after.
+explain, and what to do next. --report writes the same as a page with charts.
 
 With --replan a plan for the course is made for the robot as believed, and one for the robot as measured, each with \
 margins by which 95 % of drawn jumps hold on that robot. Both are flown on the robot of --plant (without it on the robot as measured) with \
@@ -203,7 +196,7 @@ struct Found<'a> {
 
 impl Diagnose {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.ready(&self.plot)?;
+        self.output.report_ready()?;
         reachable("--extend", self.extend.as_deref())?;
         reachable("--report", self.report.as_deref())?;
         let mut folder = read_folders(&self.folders)?;
@@ -290,17 +283,13 @@ impl Diagnose {
         };
         let page = |file| ("--report", file, page::html(&report, &self.folders));
         let page = self.report.as_deref().map(page);
-        self.output.write_with(
-            text,
-            &self.plot,
-            || Ok(sheet::sheet(&report)),
-            corrected.into_iter().chain(page),
-        )?;
-        Ok(if report.is_well() && !report.scatters() {
-            Status::Done
-        } else {
-            Status::No
-        })
+        let mut files = Files::default();
+        for (flag, path, text) in corrected.into_iter().chain(page) {
+            files.add(flag, path, text.into_bytes());
+        }
+        files.report(self.output.out(), text);
+        files.write()?;
+        Ok(Status::of(report.is_well() && !report.scatters()))
     }
 
     /// The robot that was measured, as the flags or else the folder say; none where the kind is

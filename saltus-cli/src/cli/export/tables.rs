@@ -327,11 +327,6 @@ fn spaced(
 }
 
 /// Parser of a flag.
-fn open(text: &str) -> Result<f64, quantity::QuantityError> {
-    Quantity::OPEN.parse(text)
-}
-
-/// Parser of a flag.
 fn ends(text: &str) -> Result<(f64, f64), String> {
     let refused = || {
         format!(
@@ -340,7 +335,7 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
         )
     };
     let (low, high) = text.split_once(':').ok_or_else(refused)?;
-    let time = |text: &str| open(text).map_err(|error| error.to_string());
+    let time = |text: &str| quantity::opening(text).map_err(|error| error.to_string());
     let (low, high) = (time(low)?, time(high)?);
     if low < high {
         Ok((low, high))

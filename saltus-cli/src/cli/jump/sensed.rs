@@ -136,11 +136,7 @@ struct Answer<'a> {
 
 impl Answer<'_> {
     fn status(&self) -> Status {
-        if share(self.tried).value() >= ENOUGH {
-            Status::Done
-        } else {
-            Status::No
-        }
+        Status::of(share(self.tried).value() >= ENOUGH)
     }
 
     /// Of those that cleared it, how many run on.

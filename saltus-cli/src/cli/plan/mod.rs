@@ -16,7 +16,7 @@ use saltus::robust::{self, Robust};
 use saltus::verify::Verification;
 
 use super::Status;
-use super::common::{Common, ErrorFlags, PlantFlags, PlotOption};
+use super::common::{Common, ErrorFlags, PlantFlags};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
@@ -51,9 +51,6 @@ pub(crate) struct Plan {
 
     #[command(flatten)]
     errors: ErrorFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -128,13 +125,13 @@ The exit code is 1 unless there is a plan that holds in the planar model (with -
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         let (robot, plant) = match self.errors.share {
             Some(_) => {
-                let (robot, plant) = self.plant.always(self.common.robot_flags())?;
+                let (robot, plant) = self.plant.always(&self.common.robot)?;
                 (robot, Some(plant))
             }
-            None => self.plant.on_plant(self.common.robot_flags())?,
+            None => self.plant.on_plant(&self.common.robot)?,
         };
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
@@ -191,7 +188,7 @@ impl Plan {
                 &answer, &crossing, &planner, &file,
             )))
         };
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        self.common.write(report, drawing)?;
         match answer {
             CrossingAnswer::Plan(plan) if plan.holds() && is_enough && !interrupt.came() => {
                 Ok(Status::Done)

@@ -18,7 +18,7 @@ use saltus::verify::{Outcome, Plant, Starts, Verdict, Verification};
 
 use self::subject::SubjectFlags;
 use super::Status;
-use super::common::{Common, ErrorFlags, PlantFlags, PlotOption, page_file};
+use super::common::{Common, ErrorFlags, PlantFlags, page_file};
 use super::recorded::{Beside, McapOption};
 use crate::error::CliError;
 use crate::output::{Format, reachable};
@@ -64,9 +64,6 @@ pub(crate) struct Verify {
 
     #[command(flatten)]
     mcap: McapOption,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -149,10 +146,10 @@ const LEAST_DRAWN: usize = 200;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         self.mcap.ready()?;
         reachable("--animate", self.animate.as_deref())?;
-        let robot = self.common.robot()?;
+        let robot = self.common.robot.robot()?;
         let plant = Plant::new(self.plant()?, ACCURACY);
         plant
             .rig()
@@ -211,12 +208,8 @@ impl Verify {
         };
         let more = self.beside(&outcomes, &scene)?;
         let drawing = || Ok(drawing::sheet(&outcomes, &verdict, &scene));
-        self.common.write_with(report, &self.plot, drawing, more)?;
-        Ok(if verdict.passes {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write_with(report, drawing, more)?;
+        Ok(Status::of(verdict.passes))
     }
 
     /// The page and the recording, where they are asked for.
@@ -239,9 +232,9 @@ impl Verify {
 
     /// The robot that jumps.
     fn plant(&self) -> Result<saltus::Robot, CliError> {
-        match self.plant.robot(self.common.robot_flags())? {
+        match self.plant.robot(&self.common.robot)? {
             Some(plant) => Ok(plant),
-            None => self.common.robot(),
+            None => self.common.robot.robot(),
         }
     }
 
