@@ -126,6 +126,14 @@ impl CliError {
         }
     }
 
+    /// Refuses the flags that are given where they mean nothing.
+    pub(crate) fn unused(given: &[(&'static str, bool)], allowed: &str) -> Result<(), CliError> {
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((flag, _)) => Err(CliError::flag(flag, "", allowed)),
+            None => Ok(()),
+        }
+    }
+
     pub(crate) fn content(file: impl ToString, reason: impl ToString) -> CliError {
         InputError::content(file, reason).into()
     }

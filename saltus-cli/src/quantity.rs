@@ -101,6 +101,15 @@ impl QuantityError {
     }
 }
 
+/// Two numbers, the lower first, with a colon between them; else `allowed` says what is.
+pub(crate) fn span(text: &str, quantity: &Quantity, allowed: &str) -> Result<(f64, f64), String> {
+    let refused = || format!("{:?} must be {allowed}", cut(text));
+    let (low, high) = text.split_once(':').ok_or_else(refused)?;
+    let number = |text| quantity.parse(text).map_err(|error| error.to_string());
+    let (low, high) = (number(low)?, number(high)?);
+    (low < high).then_some((low, high)).ok_or_else(refused)
+}
+
 /// Parsers of flags.
 macro_rules! parsers {
     ($($name:ident $quantity:ident;)+) => {

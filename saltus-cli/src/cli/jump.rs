@@ -14,7 +14,7 @@ use self::sensed::Learning;
 use super::common::{OutputFlags, RobotFlags, Seed, Threads};
 use super::{Place, Status};
 use crate::error::{CliError, cut};
-use crate::output::{Files, Format, digits};
+use crate::output::{Files, Format, digits, in_words};
 use crate::progress::Progress;
 use crate::quantity;
 
@@ -246,14 +246,7 @@ impl Answer<'_> {
             short(leap.valve_open * 1e3)
         );
         let share = self.share();
-        let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
-        let _ = writeln!(
-            text,
-            "  cleared            {} of {} other robots, {} % (95 %: {low} to {high} %)",
-            share.count,
-            share.of,
-            digits(100.0 * share.value(), 3)
-        );
+        let _ = writeln!(text, "  cleared            {}", in_words(&share));
         text += &self.margin().lines(height, share, ENOUGH);
         text
     }

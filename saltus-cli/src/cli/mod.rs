@@ -81,25 +81,42 @@ Examples:
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Simulate(simulate::Simulate),
-    Table(table::Table),
-    Law(law::Law),
-    Map(map::Map),
-    Plan(plan::Plan),
-    Verify(verify::Verify),
-    Run(run::Run),
-    Filling(filling::FillingOf),
-    Jump(jump::Jump),
-    Learn(learn::Learn),
-    Diagnose(diagnose::Diagnose),
-    Design(design::Design),
-    Inject(inject::Inject),
-    Fit(fit::Fit),
-    Parkour(parkour::Parkour),
-    Export(export::Export),
-    Completions(completions::Completions),
+/// The commands, a line each: what clap reads, and runs.
+macro_rules! commands {
+    ($($name:ident $flags:path;)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name($flags)),+
+        }
+
+        impl Command {
+            fn run(self) -> Result<Status, CliError> {
+                match self {
+                    $(Command::$name(command) => command.run()),+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    Simulate simulate::Simulate;
+    Table table::Table;
+    Law law::Law;
+    Map map::Map;
+    Plan plan::Plan;
+    Verify verify::Verify;
+    Run run::Run;
+    Filling filling::FillingOf;
+    Jump jump::Jump;
+    Learn learn::Learn;
+    Diagnose diagnose::Diagnose;
+    Design design::Design;
+    Inject inject::Inject;
+    Fit fit::Fit;
+    Parkour parkour::Parkour;
+    Export export::Export;
+    Completions completions::Completions;
 }
 
 /// Why a command line is none.
@@ -144,30 +161,6 @@ impl Cli {
     /// Runs the command that was parsed.
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.command.run()
-    }
-}
-
-impl Command {
-    fn run(self) -> Result<Status, CliError> {
-        match self {
-            Command::Simulate(command) => command.run(),
-            Command::Table(command) => command.run(),
-            Command::Law(command) => command.run(),
-            Command::Map(command) => command.run(),
-            Command::Plan(command) => command.run(),
-            Command::Verify(command) => command.run(),
-            Command::Run(command) => command.run(),
-            Command::Filling(command) => command.run(),
-            Command::Jump(command) => command.run(),
-            Command::Learn(command) => command.run(),
-            Command::Diagnose(command) => command.run(),
-            Command::Design(command) => command.run(),
-            Command::Inject(command) => command.run(),
-            Command::Fit(command) => command.run(),
-            Command::Parkour(command) => command.run(),
-            Command::Export(command) => command.run(),
-            Command::Completions(command) => command.run(),
-        }
     }
 }
 

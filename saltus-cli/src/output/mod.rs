@@ -3,6 +3,7 @@
 
 mod files;
 mod number;
+mod share;
 mod table;
 mod unit;
 
@@ -12,6 +13,7 @@ use clap::ValueEnum;
 
 pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
 pub(crate) use number::{digits, full};
+pub(crate) use share::{in_words, share};
 pub(crate) use table::{Cell, Column, Table, columns, grid};
 pub(crate) use unit::{split, unit, with_unit};
 

@@ -328,20 +328,8 @@ fn spaced(
 
 /// Parser of a flag.
 fn ends(text: &str) -> Result<(f64, f64), String> {
-    let refused = || {
-        format!(
-            "{:?} must be two times, the lower first, as in 30ms:60ms",
-            cut(text)
-        )
-    };
-    let (low, high) = text.split_once(':').ok_or_else(refused)?;
-    let time = |text: &str| quantity::opening(text).map_err(|error| error.to_string());
-    let (low, high) = (time(low)?, time(high)?);
-    if low < high {
-        Ok((low, high))
-    } else {
-        Err(refused())
-    }
+    let allowed = "two times, the lower first, as in 30ms:60ms";
+    quantity::span(text, &Quantity::OPEN, allowed)
 }
 
 /// Parser of a flag.

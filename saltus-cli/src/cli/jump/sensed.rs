@@ -12,7 +12,7 @@ use super::super::Status;
 use super::margin::{Margin, Passage};
 use super::{Course, ENOUGH, Jump, refused};
 use crate::error::CliError;
-use crate::output::{Format, digits};
+use crate::output::{Format, digits, in_words};
 use crate::progress::Progress;
 
 /// How the table for a sensed box is made.
@@ -42,17 +42,13 @@ const RUNS_ON: f64 = 1.0;
 impl Learning {
     /// Refuses the flags of a sensed box where it is not sensed.
     pub(super) fn refuse(&self) -> Result<(), CliError> {
-        for (flag, is_given) in [
+        let given = [
             ("--runs", self.runs.is_some()),
             ("--rounds", self.rounds.is_some()),
             ("--room", self.room.is_some()),
-        ] {
-            if is_given {
-                let allowed = "used with a box that is sensed: --obstacle HEIGHTxLENGTH@FROM:TO";
-                return Err(CliError::flag(flag, "", allowed));
-            }
-        }
-        Ok(())
+        ];
+        let allowed = "used with a box that is sensed: --obstacle HEIGHTxLENGTH@FROM:TO";
+        CliError::unused(&given, allowed)
     }
 }
 
@@ -64,16 +60,13 @@ impl Jump {
         course: Course,
         fronts: [f64; 2],
     ) -> Result<Status, CliError> {
-        for (flag, is_given) in [
+        let given = [
             ("--legs", self.legs.is_some()),
             ("--sought-on", self.sought_on.is_some()),
             ("--generations", self.generations.is_some()),
-        ] {
-            if is_given {
-                let allowed = "used with a box at one distance: --obstacle HEIGHTxLENGTH@FRONT";
-                return Err(CliError::flag(flag, "", allowed));
-            }
-        }
+        ];
+        let allowed = "used with a box at one distance: --obstacle HEIGHTxLENGTH@FRONT";
+        CliError::unused(&given, allowed)?;
         let learning = &self.learning;
         let sensed = Sensed {
             robot: robot.clone(),
@@ -115,16 +108,6 @@ fn share(tried: &[Faced]) -> Share {
         count: tried.iter().filter(|faced| faced.cleared).count(),
         of: tried.len(),
     }
-}
-
-/// A share with its interval, as a sentence has it.
-fn said(share: Share) -> String {
-    let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
-    let value = digits(100.0 * share.value(), 3);
-    format!(
-        "{} of {}, {value} % (95 %: {low} to {high} %)",
-        share.count, share.of
-    )
 }
 
 /// What came of one height.
@@ -182,13 +165,17 @@ impl Answer<'_> {
                 short(sensed.room)
             );
         }
-        let _ = writeln!(text, "  cleared            {}", said(share(self.tried)));
+        let _ = writeln!(
+            text,
+            "  cleared            {}",
+            in_words(&share(self.tried))
+        );
         let on = self.on();
         if on.of > 0 {
             let _ = writeln!(
                 text,
                 "  run on             {} of these, over {RUNS_ON} m/s 3 s later",
-                said(on)
+                in_words(&on)
             );
         }
         text += &self

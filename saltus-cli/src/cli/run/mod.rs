@@ -39,7 +39,6 @@ use crate::output::{Files, Format, digits, message, reachable, reachable_folder}
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 use analysis::Depth;
-pub(crate) use ensemble::{in_words, share};
 use follow::{Follower, OnTheWay, Thinned};
 pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};

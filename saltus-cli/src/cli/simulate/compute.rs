@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 
 use saltus::lagrangian::{Batch, Contact, EnergyLedger, FINE, Sample};
+use saltus::numeric::parallel;
 use saltus::planner::{JumpFlight, flight_after};
 use saltus::{Jump, Launch, LiftOff, Robot, StanceError};
 
@@ -57,32 +58,11 @@ pub(super) fn simulate(
         detail,
         progress: Progress::new("jumps", launches.len()),
     };
-    let chunks: Vec<(usize, &[Launch])> = launches.chunks(SIDE_BY_SIDE).enumerate().collect();
-    let shares: Vec<_> = chunks
-        .chunks(chunks.len().div_ceil(threads.get()).max(1))
-        .collect();
-    let share = |chunks: &[(usize, &[Launch])]| -> Result<Vec<Answer>, Failed> {
-        let answers: Result<Vec<_>, _> = chunks
-            .iter()
-            .map(|(i, chunk)| work.chunk(i * SIDE_BY_SIDE, chunk))
-            .collect();
-        Ok(answers?.into_iter().flatten().collect())
-    };
-    if let [only] = shares[..] {
-        return share(only);
-    }
-    let parts = std::thread::scope(|scope| {
-        let workers: Vec<_> = shares
-            .iter()
-            .map(|chunks| scope.spawn(|| share(chunks)))
-            .collect();
-        let join = |worker: std::thread::ScopedJoinHandle<'_, _>| {
-            worker
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        };
-        workers.into_iter().map(join).collect::<Result<Vec<_>, _>>()
-    })?;
+    let chunks: Vec<&[Launch]> = launches.chunks(SIDE_BY_SIDE).collect();
+    let parts = parallel::map_on(threads.get(), chunks.len(), |i| {
+        work.chunk(i * SIDE_BY_SIDE, chunks[i])
+    });
+    let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
     Ok(parts.into_iter().flatten().collect())
 }
 

@@ -4,8 +4,6 @@ mod advice;
 mod animation;
 mod context;
 mod drawing;
-mod load;
-mod loaded;
 mod report;
 mod subject;
 mod table_file;
@@ -170,7 +168,7 @@ impl Verify {
             samples: how.samples.max(LEAST_DRAWN),
             ..how.clone()
         });
-        let loaded = load::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
+        let loaded = subject::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
         let Some(loaded) = loaded else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], &robot).csv(),

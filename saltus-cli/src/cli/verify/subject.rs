@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::on_plant::{for_crossing, planar};
-use saltus::planner::CrossingAnswer;
+use saltus::on_plant::{OnPlant, for_crossing, planar};
 use saltus::planner::course::Standing;
+use saltus::planner::{Corrected, CrossingAnswer, Planner};
 use saltus::robust::{self, Robust, RobustError};
 use saltus::verify::{Plant, Rule, Steering, Subject, Verification};
 
-use super::loaded::{Loaded, on_plant};
+use super::table_file;
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
@@ -57,12 +57,62 @@ pub(crate) struct SubjectFlags {
     pub(super) terms: TermFlags,
 }
 
-pub(super) fn law(
+/// What is verified.
+pub(super) struct Loaded {
+    /// What it is called.
+    pub(super) title: String,
+    pub(super) subject: Subject,
+    /// What says where its jumps land.
+    pub(super) planner: Planner<Corrected>,
+    /// Whether it was made for the robot that jumps.
+    pub(super) for_plant: bool,
+}
+
+/// Answers for `robot` that hold on `plant`.
+pub(super) fn on_plant(robot: &Robot, plant: &Plant) -> Result<OnPlant, CliError> {
+    let plant = plant.robot();
+    OnPlant::new(robot, plant).map_err(|error| CliError::content(&plant.name, error))
+}
+
+/// What the flags name, for `robot`; none for a course that no plan crosses. A corrected plan has
+/// margins for the runs `margins`.
+pub(super) fn load(
     flags: &SubjectFlags,
-    slope: f64,
-    intercept: f64,
     robot: Robot,
-) -> Result<Loaded, CliError> {
+    plant: &Plant,
+    margins: Option<&Verification>,
+) -> Result<Option<Loaded>, CliError> {
+    flags.terms.note_valve(&robot);
+    let ending = flags.file.as_deref().and_then(ending);
+    let is_course = flags.file.is_some() && matches!(ending.as_deref(), None | Some("toml"));
+    if flags.correct && !is_course {
+        let allowed = "left out where there is no course";
+        return Err(CliError::flag("--correct", "", allowed));
+    }
+    match (&flags.file, flags.law) {
+        (Some(file), None) => match ending.as_deref() {
+            Some("csv") => table_file::load(flags, file, robot, plant).map(Some),
+            None | Some("toml") => plan(flags, file, robot, plant, margins),
+            Some(_) => Err(CliError::content(
+                file.display(),
+                "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
+                     (.csv)",
+            )),
+        },
+        (_, Some((slope, intercept))) => law(flags, slope, intercept, robot).map(Some),
+        _ => Err(CliError::Missing {
+            flag: "COURSE.toml",
+            allowed: "or TABLE.csv, or --law",
+        }),
+    }
+}
+
+/// How a file's name ends, in small letters.
+fn ending(file: &Path) -> Option<String> {
+    Some(file.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+fn law(flags: &SubjectFlags, slope: f64, intercept: f64, robot: Robot) -> Result<Loaded, CliError> {
     let rates = flags
         .omega
         .as_ref()
@@ -119,7 +169,7 @@ pub(super) fn rule(
 }
 
 /// The plan of a course; a corrected one with margins for the runs `margins`.
-pub(super) fn plan(
+fn plan(
     flags: &SubjectFlags,
     path: &Path,
     robot: Robot,
@@ -134,13 +184,7 @@ pub(super) fn plan(
         ("--valve-open", flags.terms.valve_open.is_some()),
         ("--start-lean", flags.terms.start_lean.is_some()),
     ];
-    if let Some((flag, _)) = alone.into_iter().find(|(_, is_given)| *is_given) {
-        return Err(CliError::flag(
-            flag,
-            "",
-            "left out where a course says what is to be done",
-        ));
-    }
+    CliError::unused(&alone, "left out where a course says what is to be done")?;
     let crossing = input::course(path)?;
     let file = path.display().to_string();
     let on_plant = flags.correct.then(|| on_plant(&robot, plant)).transpose()?;

@@ -8,8 +8,7 @@ use saltus::planner::{Corrected, Planner};
 use saltus::verify::{Plant, Steering, Subject};
 use saltus::{Launch, Robot};
 
-use super::loaded::{Loaded, on_plant};
-use super::subject::{self, SubjectFlags};
+use super::subject::{self, Loaded, SubjectFlags, on_plant};
 use crate::cli::terms::{LandingHeight, StartLean, Terms, VALVE_OPEN};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
@@ -27,48 +26,13 @@ const REPLAY: f64 = 1e-3;
 
 /// The columns that are read.
 const COLUMNS: [Column; 7] = [
-    Column {
-        name: "omega_rad_s",
-        others: &[],
-        quantity: Quantity::RATE,
-        need: Need::Value,
-    },
-    Column {
-        name: "alpha_f_rad",
-        others: &[],
-        quantity: Quantity::ANGLE,
-        need: Need::Column,
-    },
-    Column {
-        name: "distance_m",
-        others: &[],
-        quantity: Quantity::DISTANCE,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "land_m",
-        others: &[],
-        quantity: Quantity::LANDING,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "landing_height_m",
-        others: &[],
-        quantity: Quantity::HEIGHT,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "start_lean_rad",
-        others: &[],
-        quantity: Quantity::ANGLE,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "valve_open_s",
-        others: &[],
-        quantity: Quantity::TIME,
-        need: Need::Nothing,
-    },
+    Column::new("omega_rad_s", Quantity::RATE, Need::Value),
+    Column::new("alpha_f_rad", Quantity::ANGLE, Need::Column),
+    Column::new("distance_m", Quantity::DISTANCE, Need::Nothing),
+    Column::new("land_m", Quantity::LANDING, Need::Nothing),
+    Column::new("landing_height_m", Quantity::HEIGHT, Need::Nothing),
+    Column::new("start_lean_rad", Quantity::ANGLE, Need::Nothing),
+    Column::new("valve_open_s", Quantity::TIME, Need::Nothing),
 ];
 
 /// A table that was read.
