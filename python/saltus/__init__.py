@@ -11,7 +11,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
 from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
-from .verbs import diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, plan, power, run, simulate, table, verify
+from .verbs import design, diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, plan, run, simulate, table, verify
 
 __all__ = [
     "OUTCOMES",
@@ -21,6 +21,7 @@ __all__ = [
     "Robot",
     "SaltusError",
     "__version__",
+    "design",
     "diagnose",
     "export",
     "export_policy",
@@ -35,7 +36,6 @@ __all__ = [
     "learn",
     "map",
     "plan",
-    "power",
     "run",
     "simulate",
     "table",

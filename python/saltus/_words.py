@@ -19,13 +19,13 @@ __all__ = ["Place", "ask", "flag_of", "words_of"]
 UNIT = re.compile(r"_(rad_s|m_s|per_s|rad|deg|psi|s|m)$")
 """What the name of an argument says beside the flag: `omega_rad_s` is `--omega`."""
 
-SPANS = {"firing_angles_rad", "valve_range_s", "greatest_psi", "state"}
+SPANS = {"firing_angles_rad", "valve_range_s", "state"}
 """Arguments whose parts have colons between them."""
-REPEATED = {"set", "plant_set", "disturb", "reward", "state", "known", "effect", "effects", "courses"}
+REPEATED = {"set", "plant_set", "disturb", "reward", "state", "known", "effect", "courses"}
 """Arguments whose flag stands once for each item."""
 ROBOTS = {"robot", "plant", "believed"}
 """Arguments that may be a robot."""
-OTHER = {"effects": "inject", "plan_file": "power", "lambda_": "lambda"}
+OTHER = {"lambda_": "lambda"}
 """Arguments that are not called like their flag."""
 
 Place = str | os.PathLike[str] | Mapping[str, Any]

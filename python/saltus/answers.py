@@ -190,7 +190,7 @@ class Answer(Mapping[str, Any]):
         return self.rows.to_pandas()
 
 
-ROWS = ("rows", "jumps", "laws", "spots", "plans", "runs", "greatest", "parameters", "causes", "effects")
+ROWS = ("rows", "jumps", "laws", "spots", "plans", "runs", "parameters", "causes", "effects")
 """Keys of answers that have rows, the one that says most first."""
 
 

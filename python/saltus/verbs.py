@@ -17,12 +17,13 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ._saltus import SaltusError
-from ._words import Place, ask, words_of
+from ._words import Place, ask, items, words_of
 from .answers import Answer, Columns
 from .frames import Data, folders_of
 from .jumps import RobotLike
 
 __all__ = [
+    "design",
     "diagnose",
     "export",
     "filling",
@@ -33,7 +34,6 @@ __all__ = [
     "learn",
     "map",
     "plan",
-    "power",
     "run",
     "simulate",
     "table",
@@ -113,7 +113,6 @@ def filling(
     alpha_f_rad: float,
     clear_m: float | None = None,
     pause_s: float | None = None,
-    most: int | None = None,
     landing_height_m: float | str | None = None,
     valve_open_s: float | None = None,
     start_lean_rad: float | str | None = None,
@@ -155,7 +154,6 @@ def plan(
     samples: int | None = None,
     seed: int | None = None,
     friction: ArrayLike | None = None,
-    no_slip: bool = False,
     threads: int | None = None,
     plot: PathLike | None = None,
     robot: RobotLike | None = None,
@@ -185,13 +183,10 @@ def verify(
     plant_set: Overrides = (),
     friction: ArrayLike | None = None,
     samples: int | None = None,
-    scatter: float | None = None,
     seed: int | None = None,
     tolerance_m: float | None = None,
     clearance_m: float | None = None,
     share: float | None = None,
-    accuracy: float | None = None,
-    fixed_step_s: float | None = None,
     threads: int | None = None,
     animate: PathLike | None = None,
     mcap: PathLike | None = None,
@@ -212,7 +207,6 @@ def run(
     path: PathLike | None = None,
     truth: bool = False,
     policy: PathLike | None = None,
-    policy_seed: int | None = None,
     firing_angle_rad: float | None = None,
     valve_open_s: float | None = None,
     from_rad: float | None = None,
@@ -267,17 +261,14 @@ def jump_over(
     obstacle: str,
     *,
     legs: int | None = None,
-    constant: bool = False,
     sought_on: int | None = None,
     generations: int | None = None,
     runs: int | None = None,
     rounds: int | None = None,
     room: float | None = None,
-    greatest_psi: tuple[float, float, int] | None = None,
     robots: int | None = None,
     seed: int | None = None,
     threads: int | None = None,
-    plot: PathLike | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),
 ) -> Answer:
@@ -329,7 +320,6 @@ def diagnose(
     extend: PathLike | None = None,
     report: PathLike | None = None,
     plot: PathLike | None = None,
-    false_alarms: float | None = None,
     model_error: float | None = None,
     known: Mapping[str, Any] | Sequence[str] = (),
     most: int | None = None,
@@ -337,7 +327,6 @@ def diagnose(
     replan: Place | None = None,
     plant: RobotLike | None = None,
     plant_set: Overrides = (),
-    samples: int | None = None,
 ) -> Answer:
     """What a simulation gets wrong about measured data.
 
@@ -351,24 +340,25 @@ def diagnose(
         return ask("diagnose", folders, arguments)
 
 
-def power(
-    plan_file: PathLike,
+def design(
+    plan: PathLike,
     *,
     effect: Mapping[str, Any] | Sequence[str] = (),
     propose: int | None = None,
-    false_alarms: float | None = None,
     model_error: float | None = None,
+    known: Mapping[str, Any] | Sequence[str] = (),
     most: int | None = None,
     seed: int | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),
 ) -> Answer:
     """What a planned experiment can tell: how often a diagnosis would name each effect."""
-    return ask("diagnose", (), locals())
+    arguments = {name: value for name, value in locals().items() if name != "plan"}
+    return ask("design", (plan,), arguments)
 
 
 def inject(
-    effects: Mapping[str, Any] | Sequence[str] | str,
+    effects: Mapping[str, Any] | Sequence[str] | str = (),
     *,
     out: PathLike,
     kind: str | None = None,
@@ -378,9 +368,9 @@ def inject(
     robot: RobotLike | None = None,
     set: Overrides = (),
 ) -> Answer:
-    """Data with hidden effects, as a folder: `inject({"coulomb-friction": 25}, out="synthetic")`; "none"
-    for none."""
-    return ask("diagnose", (), locals())
+    """Data with hidden effects, as a folder: `inject({"coulomb-friction": 25}, out="synthetic")`."""
+    arguments = {name: value for name, value in locals().items() if name != "effects"}
+    return ask("inject", items("effects", effects), arguments)
 
 
 def fit(
@@ -410,9 +400,7 @@ def export(
     valve_open_s: float | None = None,
     start_lean_rad: float | str | None = None,
     valve_range_s: Span | None = None,
-    effort: float | None = None,
     newton: int | None = None,
-    period_s: float | None = None,
     extra_delay_s: float | None = None,
     tolerance_m: float | None = None,
     real: str | None = None,
@@ -450,7 +438,6 @@ def export_policy(
     policy: PathLike,
     *,
     out: PathLike,
-    policy_seed: int | None = None,
     real: str | None = None,
 ) -> str:
     """What was learnt, for a controller, in C. Gives what heads the files in the folder `out`."""

@@ -26,7 +26,7 @@ LONG: dict[str, Callable[[Path, Path], object]] = {
     "run": lambda at, bench: saltus.run(seconds=600, mcap=at),
     "robots": lambda at, bench: saltus.run(seconds=60, robots=1000),
     "diagnose": lambda at, bench: saltus.diagnose(bench, false_alarms=0.001, report=at),
-    "power": lambda at, bench: saltus.power(bench.parent / "plan.toml", effect={"coulomb-friction": 25}),
+    "design": lambda at, bench: saltus.design(bench.parent / "plan.toml", effect={"coulomb-friction": 25}),
 }
 
 

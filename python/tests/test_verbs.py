@@ -84,21 +84,21 @@ def test_diagnose_and_fit_give_the_bytes_of_the_command(command: Command, bench:
         assert (answer.json, answer.yes) == (said.out, said.code == 0)
 
 
-def test_power_gives_the_bytes_of_the_command(command: Command, tmp_path: Path) -> None:
+def test_design_gives_the_bytes_of_the_command(command: Command, tmp_path: Path) -> None:
     plan = tmp_path / "plan.toml"
     plan.write_text(
         'kind = "outcomes"\nrobot = "rats-planar"\nnoise = { distance_mm = 10, apex_mm = 10 }\n'
         "[[jump]]\napproach_rate_rad_s = 4\nfiring_angle_rad = -0.1\nvalve_open_s = 0.1\nrepeat = 6\n"
     )
-    answer = saltus.power(plan, effect={"coulomb-friction": 25}, seed=2)
-    said = command("diagnose", "--power", str(plan), "--effect", "coulomb-friction=25", "--seed", "2", "--format", "json")
+    answer = saltus.design(plan, effect={"coulomb-friction": 25}, seed=2)
+    said = command("design", str(plan), "--effect", "coulomb-friction=25", "--seed", "2", "--format", "json")
     assert answer.json == said.out
 
 
 def test_inject_writes_the_files_of_the_command(command: Command, tmp_path: Path) -> None:
-    words = "--inject viscous-friction=25 --kind bench --runs 3 --seed 9 --out".split()
+    words = "viscous-friction=25 --kind bench --runs 3 --seed 9 --out".split()
     saltus.inject({"viscous-friction": 25}, kind="bench", runs=3, seed=9, out=tmp_path / "python")
-    assert command("diagnose", *words, str(tmp_path / "shell")).code == 0
+    assert command("inject", *words, str(tmp_path / "shell")).code == 0
     names = sorted(file.name for file in (tmp_path / "python").iterdir())
     assert names == sorted(file.name for file in (tmp_path / "shell").iterdir())
     for name in names:
@@ -108,8 +108,8 @@ def test_inject_writes_the_files_of_the_command(command: Command, tmp_path: Path
 def test_what_was_learnt_runs_and_is_exported(command: Command, tmp_path: Path) -> None:
     policy = tmp_path / "policy.json"
     policy.write_text(saltus.learn("run-zone", episodes=6, seeds=2).json)
-    answer = saltus.run(policy=policy, seconds=1, policy_seed=2)
-    assert answer.json == command("run", "--policy", str(policy), *"--seconds 1 --policy-seed 2 --format json".split()).out
+    answer = saltus.run(policy=policy, seconds=1)
+    assert answer.json == command("run", "--policy", str(policy), *"--seconds 1 --format json".split()).out
     about = saltus.export_policy(policy, out=tmp_path / "python")
     assert command("export", "policy", str(policy), "--out", tmp_path / "shell").out == about
     assert (tmp_path / "python" / "saltus_policy.h").read_bytes() == (tmp_path / "shell" / "saltus_policy.h").read_bytes()
@@ -156,9 +156,8 @@ LEFT_OUT = {"--help", "--version", "--format", "--out"}
 """Answers come as objects in place of reports."""
 OTHERWISE = {
     "simulate": {"--batch"},
-    "diagnose": {"--power", "--effect", "--propose", "--inject", "--kind", "--runs", "--mcap"},
 }
-"""`jumps` takes arrays; `power` and `inject` are functions of their own."""
+"""`jumps` takes arrays."""
 FUNCTIONS: dict[str, list[Any]] = {
     "simulate": [saltus.simulate],
     "table": [saltus.table],
@@ -171,6 +170,8 @@ FUNCTIONS: dict[str, list[Any]] = {
     "jump": [saltus.jump_over],
     "learn": [saltus.learn],
     "diagnose": [saltus.diagnose],
+    "design": [saltus.design],
+    "inject": [saltus.inject],
     "fit": [saltus.fit],
     "export c": [saltus.export],
     "export rust": [saltus.export],
@@ -192,11 +193,6 @@ def arguments(*functions: Any) -> set[str]:
 def test_every_flag_is_an_argument(verb: str, command: Command) -> None:
     missing = flags(command, verb) - arguments(*FUNCTIONS[verb]) - LEFT_OUT
     assert missing == OTHERWISE.get(verb, set())
-
-
-def test_power_and_inject_take_the_other_flags_of_diagnose(command: Command) -> None:
-    assert OTHERWISE["diagnose"] <= flags(command, "diagnose")
-    assert OTHERWISE["diagnose"] - arguments(saltus.power, saltus.inject) == set()
 
 
 def test_every_verb_is_here(command: Command) -> None:

@@ -93,11 +93,11 @@ quantities! {
     NUMBER, "", [0, 0, 0]: "" Unit::SI;
     MASS, "kg", [1, 0, 0]: "_kg" Unit::SI, "_g" MILLI, "_lb" POUND;
     INERTIA, "kg m²", [1, 2, 0]: "_kg_m2" Unit::SI;
-    LENGTH, "m", [0, 1, 0]: "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH;
+    LENGTH, "m", [0, 1, 0]: "_m" Unit::SI, "_mm" MILLI, "_cm" Unit::Decimal(-2), "_in" INCH, "_ft" Unit::Times(0.3048);
     AREA, "m²", [0, 2, 0]: "_m2" Unit::SI, "_mm2" Unit::Decimal(-6);
     VOLUME, "m³", [0, 3, 0]: "_m3" Unit::SI, "_cm3" Unit::Decimal(-6);
     CAPACITY, "m³", [0, 3, 0]: "_m3" Unit::SI, "_cm3" Unit::Decimal(-6), "_l" MILLI;
-    TIME, "s", [0, 0, 1]: "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9);
+    TIME, "s", [0, 0, 1]: "_s" Unit::SI, "_ms" MILLI, "_us" Unit::Decimal(-6), "_ns" Unit::Decimal(-9), "_min" Unit::Times(60.0);
     ACCELERATION, "m/s²", [0, 1, -2]: "_m_s2" Unit::SI, "_g" STANDARD_GRAVITY;
     ANGLE, "rad", [0, 0, 0]: "_rad" Unit::SI, "_deg" DEGREE;
     ANGULAR_RATE, "rad/s", [0, 0, -1]: "_rad_s" Unit::SI, "_deg_s" DEGREE, "_rpm" Unit::Times(PI / 30.0);

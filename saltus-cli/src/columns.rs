@@ -17,6 +17,22 @@ pub(crate) struct Column {
     pub(crate) need: Need,
 }
 
+impl Column {
+    pub(crate) const fn new(name: &'static str, quantity: Quantity, need: Need) -> Column {
+        Column {
+            name,
+            others: &[],
+            quantity,
+            need,
+        }
+    }
+
+    /// The same, which may have other names.
+    pub(crate) const fn or(self, others: &'static [&'static str]) -> Column {
+        Column { others, ..self }
+    }
+}
+
 /// What has to be there of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Need {

@@ -86,7 +86,7 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Policy(#[from] saltus::learning::PolicyError),
     /// Synthetic data.
-    #[error("--inject {0}")]
+    #[error(transparent)]
     Inject(#[from] saltus::inject::Error),
     /// A robot that cannot be a rig of bodies.
     #[error(transparent)]
@@ -123,6 +123,14 @@ impl CliError {
             flag,
             value: value.to_string(),
             allowed: allowed.into(),
+        }
+    }
+
+    /// Refuses the flags that are given where they mean nothing.
+    pub(crate) fn unused(given: &[(&'static str, bool)], allowed: &str) -> Result<(), CliError> {
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((flag, _)) => Err(CliError::flag(flag, "", allowed)),
+            None => Ok(()),
         }
     }
 

@@ -1,153 +1,74 @@
 //! Numbers with units as flags and files give them: `5`, `-15deg`, `25ms`.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use saltus::robot::units::{self, Unit};
+
 use crate::error::cut;
 
-/// A kind of number: its unit, others that it may be given in, and what is allowed.
+/// A kind of number: its units, and what is allowed.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// The unit of a number without a suffix, and whether that number is `divided` or multiplied to
-    /// get there.
-    suffixes: &'static [(&'static str, Scale)],
+    units: &'static units::Quantity,
     /// What is allowed, for messages.
     pub(crate) allowed: &'static str,
     legal: fn(f64) -> bool,
 }
 
-/// How a unit becomes the SI one. Division by a power of ten rounds to what the user typed.
-#[derive(Clone, Copy, Debug)]
-enum Scale {
-    Times(f64),
-    Over(f64),
+/// Kinds of numbers, a line each: units, what is allowed, and whether a number is.
+macro_rules! quantities {
+    ($($name:ident $units:ident $allowed:literal $legal:expr;)+) => {
+        $(pub(crate) const $name: Quantity = Quantity {
+            units: &units::$units,
+            allowed: $allowed,
+            legal: $legal,
+        };)+
+    };
 }
 
 impl Quantity {
-    /// Approach rate (rad/s).
-    pub(crate) const RATE: Quantity = Quantity {
-        suffixes: &[
-            ("rad/s", Scale::Times(1.0)),
-            ("deg/s", DEGREES),
-            ("rpm", Scale::Times(std::f64::consts::TAU / 60.0)),
-        ],
-        allowed: "a number from 0 to 1000 rad/s",
-        legal: |x| (0.0..=1e3).contains(&x),
-    };
-    /// Lean (rad).
-    pub(crate) const ANGLE: Quantity = Quantity {
-        suffixes: &[("rad", Scale::Times(1.0)), ("deg", DEGREES)],
-        allowed: "an angle strictly between -pi/2 and pi/2 rad",
-        legal: |x| x.abs() < std::f64::consts::FRAC_PI_2,
-    };
-    /// Heading (rad).
-    pub(crate) const HEADING: Quantity = Quantity {
-        allowed: "an angle from -pi to pi rad",
-        legal: |x| x.abs() <= std::f64::consts::PI,
-        ..Quantity::ANGLE
-    };
-    /// Time (s).
-    pub(crate) const TIME: Quantity = Quantity {
-        suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
-        allowed: "a time from 0 to 1000 s",
-        legal: |x| (0.0..=1e3).contains(&x),
-    };
-    /// Distance (m).
-    pub(crate) const DISTANCE: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a distance from 0 to 1000 m",
-        legal: |x| (0.0..=1e3).contains(&x),
-    };
-    /// Time that a valve is open (s).
-    pub(crate) const OPEN: Quantity = Quantity {
-        suffixes: &[("ms", Scale::Over(1e3)), ("s", Scale::Times(1.0))],
-        allowed: "a time above 0 and up to 1000 s",
-        legal: |x| x > 0.0 && x <= 1e3,
-    };
-    /// Length of a run (s).
-    pub(crate) const RUN: Quantity = Quantity {
-        suffixes: &[
-            ("min", Scale::Times(60.0)),
-            ("ms", Scale::Over(1e3)),
-            ("s", Scale::Times(1.0)),
-        ],
-        allowed: "a time above 0 and up to 100000 s",
-        legal: |x| x > 0.0 && x <= 1e5,
-    };
-    /// An instant of a run (s).
-    pub(crate) const INSTANT: Quantity = Quantity {
-        allowed: "a time from 0 to 100000 s",
-        legal: |x| (0.0..=1e5).contains(&x),
-        ..Quantity::RUN
-    };
-    /// Step of the simulation (s).
-    pub(crate) const STEP: Quantity = Quantity {
-        suffixes: &[
-            ("us", Scale::Over(1e6)),
-            ("ms", Scale::Over(1e3)),
-            ("s", Scale::Times(1.0)),
-        ],
-        allowed: "a time from 0.000001 to 0.1 s",
-        legal: |x| (1e-6..=0.1).contains(&x),
-    };
-    /// Number without a unit.
-    pub(crate) const FACTOR: Quantity = Quantity {
-        suffixes: &[],
-        allowed: "a number from 0 to 10000",
-        legal: |x| (0.0..=1e4).contains(&x),
-    };
-    /// Extent of an obstacle (m).
-    pub(crate) const EXTENT: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a length above 0 and up to 1000 m",
-        legal: |x| x > 0.0 && x <= 1e3,
-    };
-    /// Where a jump lands (m), which may be behind the foot.
-    pub(crate) const LANDING: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a place from -1000 to 1000 m",
-        legal: |x| x.abs() <= 1e3,
-    };
-    /// Height (m), which may be below the foot.
-    pub(crate) const HEIGHT: Quantity = Quantity {
-        suffixes: METRES,
-        allowed: "a height from -1000 to 1000 m",
-        legal: |x| x.abs() <= 1e3,
-    };
+    quantities! {
+        RATE ANGULAR_RATE "a number from 0 to 1000 rad/s" |x| (0.0..=1e3).contains(&x);
+        ANGLE ANGLE "an angle strictly between -pi/2 and pi/2 rad" |x| x.abs() < FRAC_PI_2;
+        HEADING ANGLE "an angle from -pi to pi rad" |x| x.abs() <= PI;
+        TIME TIME "a time from 0 to 1000 s" |x| (0.0..=1e3).contains(&x);
+        OPEN TIME "a time above 0 and up to 1000 s" |x| x > 0.0 && x <= 1e3;
+        RUN TIME "a time above 0 and up to 100000 s" |x| x > 0.0 && x <= 1e5;
+        INSTANT TIME "a time from 0 to 100000 s" |x| (0.0..=1e5).contains(&x);
+        STEP TIME "a time from 0.000001 to 0.1 s" |x| (1e-6..=0.1).contains(&x);
+        FACTOR NUMBER "a number from 0 to 10000" |x| (0.0..=1e4).contains(&x);
+        DISTANCE LENGTH "a distance from 0 to 1000 m" |x| (0.0..=1e3).contains(&x);
+        EXTENT LENGTH "a length above 0 and up to 1000 m" |x| x > 0.0 && x <= 1e3;
+        LANDING LENGTH "a place from -1000 to 1000 m" |x| x.abs() <= 1e3;
+        HEIGHT LENGTH "a height from -1000 to 1000 m" |x| x.abs() <= 1e3;
+    }
+
+    /// The units, each with how flags write it: `_rad_s` of a key is `rad/s`.
+    fn units(&self) -> impl Iterator<Item = (String, Unit)> {
+        let written = |key: &str| key.trim_start_matches('_').replace('_', "/");
+        let units = self.units.units.iter();
+        units.map(move |(key, unit)| (written(key), *unit))
+    }
 
     /// The number that `text` gives, in the SI unit.
     pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
-        let refused = || QuantityError {
+        let trimmed = text.trim();
+        let ends = self.units().filter(|(unit, _)| trimmed.ends_with(unit));
+        // `m` is the end of others.
+        let (unit, scale) = ends
+            .max_by_key(|(unit, _)| unit.len())
+            .unwrap_or_else(|| (String::new(), Unit::SI));
+        let number = scale.si(trimmed.strip_suffix(&*unit).unwrap_or_default().trim_end());
+        if number.is_finite() && (self.legal)(number) {
+            return Ok(number);
+        }
+        Err(QuantityError {
             value: cut(text),
             allowed: self.allowed,
-            units: self.suffixes.iter().map(|(suffix, _)| *suffix).collect(),
-        };
-        let text = text.trim();
-        let split = self
-            .suffixes
-            .iter()
-            .find_map(|(suffix, scale)| Some((text.strip_suffix(suffix)?, *scale)));
-        let (digits, scale) = split.unwrap_or((text, Scale::Times(1.0)));
-        let number: f64 = digits.trim_end().parse().map_err(|_| refused())?;
-        let number = match scale {
-            Scale::Times(factor) => number * factor,
-            Scale::Over(divisor) => number / divisor,
-        };
-        if number.is_finite() && (self.legal)(number) {
-            Ok(number)
-        } else {
-            Err(refused())
-        }
+            units: self.units().map(|(unit, _)| unit).collect(),
+        })
     }
 }
-
-const DEGREES: Scale = Scale::Times(std::f64::consts::PI / 180.0);
-
-/// `m` is the end of the others, so it stands last.
-const METRES: &[(&str, Scale)] = &[
-    ("mm", Scale::Over(1e3)),
-    ("cm", Scale::Over(1e2)),
-    ("in", Scale::Times(0.0254)),
-    ("ft", Scale::Times(0.3048)),
-    ("m", Scale::Times(1.0)),
-];
 
 /// A text that is not an allowed number.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -156,7 +77,7 @@ pub(crate) struct QuantityError {
     value: String,
     allowed: &'static str,
     /// Suffixes that numbers may have.
-    units: Vec<&'static str>,
+    units: Vec<String>,
 }
 
 impl QuantityError {
@@ -169,7 +90,7 @@ impl QuantityError {
         };
         let has_unit =
             !is_number(&self.value.len()) && (1..self.value.len()).any(|end| is_number(&end));
-        if has_unit && !self.units.is_empty() {
+        if has_unit && self.units.len() > 1 {
             format!(
                 ", with one of the units {} or without a unit",
                 self.units.join(", ")
@@ -180,44 +101,35 @@ impl QuantityError {
     }
 }
 
-/// Parser of a flag.
-pub(crate) fn rate(text: &str) -> Result<f64, QuantityError> {
-    Quantity::RATE.parse(text)
+/// Two numbers, the lower first, with a colon between them; else `allowed` says what is.
+pub(crate) fn span(text: &str, quantity: &Quantity, allowed: &str) -> Result<(f64, f64), String> {
+    let refused = || format!("{:?} must be {allowed}", cut(text));
+    let (low, high) = text.split_once(':').ok_or_else(refused)?;
+    let number = |text| quantity.parse(text).map_err(|error| error.to_string());
+    let (low, high) = (number(low)?, number(high)?);
+    (low < high).then_some((low, high)).ok_or_else(refused)
 }
 
-/// Parser of a flag.
-pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
-    Quantity::ANGLE.parse(text)
+/// Parsers of flags.
+macro_rules! parsers {
+    ($($name:ident $quantity:ident;)+) => {
+        $(
+            pub(crate) fn $name(text: &str) -> Result<f64, QuantityError> {
+                Quantity::$quantity.parse(text)
+            }
+        )+
+    };
 }
 
-/// Parser of a flag.
-pub(crate) fn heading(text: &str) -> Result<f64, QuantityError> {
-    Quantity::HEADING.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn distance(text: &str) -> Result<f64, QuantityError> {
-    Quantity::DISTANCE.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn factor(text: &str) -> Result<f64, QuantityError> {
-    Quantity::FACTOR.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn time(text: &str) -> Result<f64, QuantityError> {
-    Quantity::TIME.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn height(text: &str) -> Result<f64, QuantityError> {
-    Quantity::HEIGHT.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn extent(text: &str) -> Result<f64, QuantityError> {
-    Quantity::EXTENT.parse(text)
+parsers! {
+    rate RATE;
+    angle ANGLE;
+    heading HEADING;
+    distance DISTANCE;
+    time TIME;
+    factor FACTOR;
+    height HEIGHT;
+    extent EXTENT;
 }
 
 #[cfg(test)]
@@ -254,7 +166,7 @@ mod tests {
         let told = |quantity: &Quantity, text: &str| quantity.parse(text).unwrap_err().to_string();
         assert_eq!(
             told(&Quantity::DISTANCE, "3yd"),
-            "\"3yd\" must be a distance from 0 to 1000 m, with one of the units mm, cm, in, ft, m \
+            "\"3yd\" must be a distance from 0 to 1000 m, with one of the units m, mm, cm, in, ft \
              or without a unit"
         );
         assert!(told(&Quantity::RATE, "3Hz").contains("rad/s, deg/s, rpm"));

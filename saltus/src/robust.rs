@@ -11,7 +11,7 @@ use crate::on_plant::{Crossed, OnPlant, PlantError, for_crossing};
 use crate::verify::{Demand, Outcome, Plant, Subject, TrialError, Verification};
 
 /// Error that the simulation of drawn jumps makes in each step, relative to 1 + |y|.
-const ACCURACY: f64 = 1e-9;
+pub(crate) const ACCURACY: f64 = 1e-9;
 
 /// Rounds of planning and drawing.
 const ROUNDS: usize = 12;
@@ -96,40 +96,6 @@ pub enum RobustError {
     /// The ground of the plant.
     #[error(transparent)]
     Plant(#[from] PlantError),
-}
-
-/// A course whose jumps may not slip on any ground of `how`, the robot on ground that holds, and its
-/// runs there: a foot that needs no more than the least coefficient of friction does not slip, and
-/// moves as on ground that holds. None where no friction is known, of the runs, of the robot's
-/// ground or of the course.
-///
-/// # Errors
-/// [`PlantError`] as for the plant.
-pub fn without_slip(
-    robot: &Robot,
-    plant: &OnPlant,
-    crossing: &Crossing,
-    how: &Verification,
-) -> Result<Option<(OnPlant, Crossing, Verification)>, PlantError> {
-    let own = plant.robot().ground.static_friction;
-    let grounds = how.frictions.iter().map(|mu| mu.unwrap_or(own));
-    let least = grounds
-        .chain(crossing.friction)
-        .fold(f64::INFINITY, f64::min);
-    if least.is_infinite() {
-        return Ok(None);
-    }
-    let holding = Plant::new(plant.robot().clone(), ACCURACY).on_friction(f64::INFINITY);
-    let crossing = Crossing {
-        friction: Some(least),
-        ..crossing.clone()
-    };
-    let how = Verification {
-        frictions: vec![None],
-        ..how.clone()
-    };
-    let plant = OnPlant::new(robot, holding.robot())?;
-    Ok(Some((plant, crossing, how)))
 }
 
 /// A plan for `crossing` on `plant` that holds for the share of `how` of its runs with drawn errors,

@@ -5,7 +5,7 @@
     target/mcap-python/bin/python tests/mcap/official.py --binaries target/debug
 
 1. The standard definitions are those of rosbags for ROS 2 Jazzy.
-2. Files of `saltus run`, `simulate`, `verify` and `diagnose --inject`: the same command gives the same bytes; `mcap` reads them
+2. Files of `saltus run`, `simulate`, `verify` and `inject`: the same command gives the same bytes; `mcap` reads them
    with all checksums, `mcap-ros2-support` and `rosbags` decode every message and agree, and what was measured and how the robot
    moved are the numbers of the CSV of the same run, to the bit.
 3. Files of the official writers, not compressed, zstd, lz4 and without an index, and a rosbag2: `mcap_numbers` finds the same
@@ -311,8 +311,8 @@ def jumps(binary, folder):
 
 def injected(binary, folder):
     """Synthetic data of several kinds: the same numbers and the same diagnosis from both formats."""
-    for kind, effect in [("bench", "viscous-friction=25"), ("jump", "none"), ("flight", "none"), ("outcomes", "none")]:
-        words = ["diagnose", "--inject", effect, "--kind", kind, "--runs", "4"]
+    for kind, effect in [("bench", "viscous-friction=25"), ("jump", None), ("flight", None), ("outcomes", None)]:
+        words = ["inject", *([effect] if effect else []), "--kind", kind, "--runs", "4"]
         places = folder / f"{kind}-csv", folder / f"{kind}-mcap"
         command(binary, *words, "--out", places[0])
         command(binary, *words, "--out", places[1], "--mcap")

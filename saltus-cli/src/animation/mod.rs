@@ -6,6 +6,7 @@ pub(crate) mod packed;
 #[cfg(test)]
 mod tests;
 
+use saltus::chart::escaped;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -164,17 +165,15 @@ pub(crate) fn ball_page(scene: Value) -> String {
 
 /// Pages side by side, each below its caption.
 pub(crate) fn side_by_side(title: &str, pages: &[(String, String)]) -> String {
-    let text = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
     let frame = |(caption, page): &(String, String)| {
         let page = page.replace('&', "&amp;").replace('"', "&quot;");
-        let caption = text(caption);
+        let caption = escaped(caption);
         format!(
-            "<figure><figcaption>{caption}</figcaption><iframe title=\"{}\" srcdoc=\"{page}\"></iframe></figure>",
-            caption.replace('"', "&quot;")
+            "<figure><figcaption>{caption}</figcaption><iframe title=\"{caption}\" srcdoc=\"{page}\"></iframe></figure>"
         )
     };
     let frames: Vec<String> = pages.iter().map(frame).collect();
-    let page = SIDE_BY_SIDE.replace("@TITLE@", &text(title));
+    let page = SIDE_BY_SIDE.replace("@TITLE@", &escaped(title));
     page.replacen("@FRAMES@", &frames.join("\n"), 1)
 }
 

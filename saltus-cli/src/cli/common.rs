@@ -4,15 +4,18 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use saltus::Robot;
 use saltus::experiment::{self, Folder};
 use saltus::on_plant::OnPlant;
+use saltus::verify::Verification;
+use saltus::{Launch, Robot};
 
+use super::recorded::Beside;
 use crate::error::CliError;
 use crate::input;
-use crate::output::{Files, Format, message, reachable};
+use crate::output::{Files, Format, message, reachable, reachable_folder};
 use crate::plot::{Drawing, PlotFile};
 use crate::progress::Progress;
+use crate::range::{Values, frictions};
 use crate::session;
 
 /// The robot where none is named.
@@ -37,6 +40,22 @@ impl RobotFlags {
     /// Whether a robot is named, or changed.
     pub(crate) fn are_given(&self) -> bool {
         self.robot.is_some() || !self.overrides.is_empty()
+    }
+
+    /// The robot that is named.
+    pub(crate) fn name(&self) -> Option<&str> {
+        self.robot.as_deref()
+    }
+
+    /// How it is changed.
+    pub(crate) fn overrides(&self) -> &[String] {
+        &self.overrides
+    }
+
+    /// The robot with its overrides, `usual` where none is named; none without either.
+    pub(crate) fn robot_if_any(&self, usual: Option<String>) -> Result<Option<Robot>, CliError> {
+        let name = self.robot.clone().or(usual);
+        name.map(|name| robot(&name, &self.overrides)).transpose()
     }
 
     /// The robot with its overrides.
@@ -74,7 +93,7 @@ impl RobotFlags {
     }
 
     /// The robot with its overrides, for the planar model, where its tank empties.
-    fn emptying_robot(&self) -> Result<Robot, CliError> {
+    pub(crate) fn emptying_robot(&self) -> Result<Robot, CliError> {
         let robot = self.robot()?;
         let ignored = robot.beyond_the_plane();
         if !ignored.is_empty() {
@@ -206,17 +225,10 @@ pub(crate) fn note_valve(robot: &Robot, given: Option<&str>) {
     }
 }
 
-/// Those of `columns` (name, title, unit) that `robot` has: without a valve, no opening time.
-pub(crate) fn shown<'a>(
-    columns: &[(&'a str, &'a str, &'a str)],
-    robot: &Robot,
-) -> Vec<(&'a str, &'a str, &'a str)> {
+/// The valve opening time (s) of a launch; of a leg without a valve none.
+pub(crate) fn opening(robot: &Robot, launch: &Launch) -> Option<f64> {
     let has_valve = robot.leg.drive.has_valve();
-    columns
-        .iter()
-        .copied()
-        .filter(|(name, ..)| has_valve || *name != "valve_open_s")
-        .collect()
+    has_valve.then_some(launch.valve_open)
 }
 
 /// Options of every command that reports.
@@ -224,23 +236,58 @@ pub(crate) fn shown<'a>(
 #[command(next_help_heading = "Robot and output")]
 pub(crate) struct Common {
     #[command(flatten)]
-    robot: RobotFlags,
+    pub(crate) robot: RobotFlags,
+
+    #[command(flatten)]
+    pub(crate) plot: PlotOption,
 
     #[command(flatten)]
     output: OutputFlags,
 }
 
-/// Where the answer goes.
+/// How the answer is written.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Robot and output")]
-pub(crate) struct OutputFlags {
+pub(crate) struct FormatFlag {
     /// Format of the report; without it as --out's ending says (.json, .csv), else text
     #[arg(long, value_enum)]
     format: Option<Format>,
+}
 
-    /// Write the report to this file instead of standard output
+/// The file to which the answer goes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Robot and output")]
+pub(crate) struct OutFile {
+    /// Write to this file instead of standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+}
+
+/// The folder to which several files go.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Robot and output")]
+pub(crate) struct OutFolder {
+    /// Write the files into this folder, which is made if it is not there
+    #[arg(long, short, value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+/// Where the answer goes.
+#[derive(Args, Debug)]
+pub(crate) struct OutputFlags {
+    #[command(flatten)]
+    format: FormatFlag,
+
+    #[command(flatten)]
+    out: OutFile,
+}
+
+/// The option of commands that draw by chance.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Seed {
+    /// Seed of what is drawn by chance
+    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
+    pub(crate) seed: u64,
 }
 
 /// Parser of a flag.
@@ -269,6 +316,57 @@ impl Threads {
             .unwrap_or(NonZeroUsize::MIN)
             .min(most)
     }
+}
+
+/// Which runs with drawn errors have to pass.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Errors")]
+pub(crate) struct ErrorFlags {
+    /// Share of the runs with drawn errors that have to pass
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(crate) share: Option<f64>,
+
+    /// Runs with errors drawn from the robot's [errors]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    samples: Option<u32>,
+
+    /// Friction coefficients of the ground, which take turns [default: the robot's own]
+    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions)]
+    friction: Option<Values>,
+
+    #[command(flatten)]
+    seed: Seed,
+
+    #[command(flatten)]
+    threads: Threads,
+}
+
+impl ErrorFlags {
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed.seed
+    }
+
+    /// The runs: so many with errors drawn, of which this share has to pass, where no flags say
+    /// otherwise.
+    pub(crate) fn verification(&self, samples: usize, share: f64) -> Verification {
+        let ground = self.friction.as_ref();
+        Verification {
+            samples: self.samples.map_or(samples, |count| count as usize),
+            seed: self.seed.seed,
+            frictions: ground.map_or(vec![None], |them| them.iter().copied().map(Some).collect()),
+            share: self.share.unwrap_or(share),
+            threads: self.threads.count().get(),
+            ..Verification::default()
+        }
+    }
+}
+
+/// Parser of a flag.
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.trim().parse().ok();
+    share
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "must be a share from 0 to 1, as in 0.95".into())
 }
 
 /// The option of commands with something to see.
@@ -305,24 +403,21 @@ impl PlotOption {
 }
 
 impl Common {
-    /// The robot with its overrides.
-    pub(crate) fn robot(&self) -> Result<Robot, CliError> {
-        self.robot.robot()
+    /// Refuses files that cannot be written, before long work.
+    pub(crate) fn ready(&self) -> Result<(), CliError> {
+        self.output.ready(&self.plot)
     }
 
-    /// The robot with its overrides, for the planar model: says what of it that model leaves out.
-    pub(crate) fn planned_robot(&self) -> Result<Robot, CliError> {
-        self.robot.planned_robot()
-    }
-
-    /// The robot with its overrides, for jumps in the plane that empty its tank.
-    pub(crate) fn emptying_robot(&self) -> Result<Robot, CliError> {
-        self.robot.emptying_robot()
-    }
-
-    /// The flags that say which robot.
-    pub(crate) fn robot_flags(&self) -> &RobotFlags {
-        &self.robot
+    /// Writes the report, the plot, if one is asked for, and more files, of each the flag, the name and the
+    /// contents: all or none.
+    pub(crate) fn write_with<'a>(
+        &self,
+        report: String,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        more: impl IntoIterator<Item = Beside<'a>>,
+    ) -> Result<(), CliError> {
+        let output = &self.output;
+        output.write_with(report, &self.plot, drawing, more)
     }
 }
 
@@ -333,41 +428,84 @@ impl std::ops::Deref for Common {
     }
 }
 
+impl FormatFlag {
+    /// The format, where the flag asks for one.
+    pub(crate) fn asked(&self) -> Option<Format> {
+        self.format
+    }
+}
+
+impl OutFile {
+    /// Refuses a file that cannot be written, before long work.
+    pub(crate) fn ready(&self) -> Result<(), CliError> {
+        let file = self.out.as_deref().filter(|out| *out != Path::new("-"));
+        reachable("--out", file)
+    }
+
+    /// Writes `text`.
+    pub(crate) fn write(&self, text: String) -> Result<(), CliError> {
+        let mut files = Files::default();
+        files.report(self.out.as_deref(), text);
+        files.write()
+    }
+}
+
+impl OutFolder {
+    pub(crate) fn path(&self) -> &Path {
+        &self.out
+    }
+
+    /// Refuses a folder that cannot be written, before long work.
+    pub(crate) fn ready(&self) -> Result<(), CliError> {
+        reachable_folder(&self.out)
+    }
+
+    /// Writes `texts`, by their names, and prints what heads them.
+    pub(crate) fn write<'a>(
+        &self,
+        texts: impl IntoIterator<Item = (&'a str, String)>,
+        about: &[String],
+    ) -> Result<(), CliError> {
+        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
+        let mut files = Files::default();
+        for (name, text) in texts {
+            files.add("--out", &self.out.join(name), text.into_bytes());
+        }
+        files.report(None, about.join("\n") + "\n");
+        files.write()
+    }
+}
+
 impl OutputFlags {
     /// The format asked for.
     pub(crate) fn format(&self) -> Format {
-        let by_name = || self.out.as_deref().and_then(Format::of_file);
-        self.format.or_else(by_name).unwrap_or(Format::Text)
+        let by_name = || self.out().and_then(Format::of_file);
+        self.format.asked().or_else(by_name).unwrap_or(Format::Text)
     }
 
     /// Where the answer goes, if not to standard output.
     pub(crate) fn out(&self) -> Option<&Path> {
-        self.out.as_deref()
+        self.out.out.as_deref()
     }
 
     /// Refuses a file whose ending stands for a format that reports do not have, unless a flag
     /// names the format.
     pub(crate) fn check(&self) -> Result<(), CliError> {
-        let ending = self
-            .out()
-            .filter(|_| self.format.is_none())
-            .and_then(Path::extension);
-        let Some(ending) = ending.map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-        else {
+        let Some(out) = self.out().filter(|_| self.format.asked().is_none()) else {
             return Ok(());
         };
+        let Some(ending) = out.extension() else {
+            return Ok(());
+        };
+        let ending = ending.to_string_lossy().to_ascii_lowercase();
         if Format::ENDINGS.iter().any(|(known, _)| *known == ending) {
             return Ok(());
         }
-        let known: Vec<String> = Format::ENDINGS
-            .iter()
-            .map(|(known, _)| format!(".{known}"))
-            .collect();
+        let known = Format::ENDINGS.map(|(known, _)| format!(".{known}"));
         let allowed = format!(
             "a name that ends in {} or in nothing, or beside --format",
             known.join(", ")
         );
-        let out = self.out.as_deref().unwrap_or(Path::new("-"));
         Err(CliError::flag("--out", out.display(), allowed))
     }
 
@@ -379,16 +517,13 @@ impl OutputFlags {
 
     /// Refuses a report that cannot be written, before long work.
     pub(crate) fn report_ready(&self) -> Result<(), CliError> {
-        let file = self.out().filter(|out| *out != Path::new("-"));
-        reachable("--out", file)
+        self.check()?;
+        self.out.ready()
     }
 
     /// Writes the report alone.
     pub(crate) fn write_report(&self, report: String) -> Result<(), CliError> {
-        self.check()?;
-        let mut files = Files::default();
-        files.report(self.out.as_deref(), report);
-        files.write()
+        self.out.write(report)
     }
 
     /// Writes the report and the plot, if one is asked for: both or neither.
@@ -416,9 +551,7 @@ impl OutputFlags {
         for (flag, path, contents) in more {
             files.add(flag, path, contents.into());
         }
-        files.report(self.out.as_deref(), report);
-        files.check()?;
-        self.check()?;
+        files.report(self.out(), report);
         files.write()
     }
 }

@@ -7,10 +7,10 @@ use saltus::{Launch, Outcome};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlotOption};
+use super::common::Common;
 use super::terms::{TermFlags, Terms, VALVE_OPEN};
 use crate::error::CliError;
-use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::output::{self, Column, Format, Table as Rows, columns, digits};
 use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREEN};
@@ -38,15 +38,8 @@ pub(crate) struct FillingOf {
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "1")]
     pause: f64,
 
-    /// Jumps after which the count ends
-    #[arg(long, value_name = "COUNT", value_parser = most, default_value = "10000")]
-    most: usize,
-
     #[command(flatten)]
     terms: TermFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -80,41 +73,59 @@ tank), \"gas_left_pa\", \"gas_left_k\" (the tank after the last jump), \"rows\":
 
 The exit code is 1 if no jump counts.";
 
-const COLUMNS: &[&str] = &[
-    "jump",
-    "tank_pressure_pa",
-    "tank_temperature_k",
-    "gas_kg",
-    "outcome",
-    "apex_m",
-    "clear_m",
-    "distance_m",
-    "total_m",
-    "counts",
-];
+/// A jump, its number from 1, the distance (m) of all that count, and the robot.
+type Row<'a> = (&'a Hop, usize, f64, &'a Robot);
+
+fn columns<'a>() -> [Column<Row<'a>>; 10] {
+    columns! {
+        "jump", "", |(_, number, ..)| *number;
+        "tank_pressure_pa", "", |(hop, ..)| hop.tank.pressure;
+        "tank_temperature_k", "", |(hop, ..)| hop.tank.temperature;
+        "gas_kg", "", |(hop, ..)| hop.gas;
+        "outcome", "", |(hop, ..)| hop.outcome.name();
+        "apex_m", "", |(hop, ..)| hop.apex;
+        "clear_m", "", |(hop, .., robot)| hop.apex.map(|apex| apex - robot.body.radius);
+        "distance_m", "", |(hop, ..)| hop.distance;
+        "total_m", "", |(_, _, total, _)| *total;
+        "counts", "", |(hop, ..)| hop.counts;
+    }
+}
+
+/// What people see.
+fn shown<'a>() -> [Column<Row<'a>>; 8] {
+    columns! {
+        "jump", "jump", |(_, number, ..)| *number;
+        "tank", "tank, gauge|bar", |(hop, .., robot)| 1e-5 * (hop.tank.pressure - robot.environment.ambient.0);
+        "tank_temperature_k", "tank", |(hop, ..)| hop.tank.temperature;
+        "gas", "gas|g", |(hop, ..)| 1e3 * hop.gas;
+        "apex_m", "apex", |(hop, ..)| hop.apex;
+        "distance_m", "distance", |(hop, ..)| hop.distance;
+        "total_m", "total", |(_, _, total, _)| *total;
+        "outcome", "outcome", |(hop, ..)| hop.outcome.name();
+    }
+}
+
+/// Jumps after which the count ends.
+const MOST: usize = 10_000;
 
 /// Rows that the text shows: of many jumps the first and the last ones.
 const SHOWN: usize = 24;
 
 impl FillingOf {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let robot = self.common.emptying_robot()?;
+        self.common.ready()?;
+        let robot = self.common.robot.emptying_robot()?;
         let terms = self.terms.of(&robot);
         let request = self.request(&terms);
         let found = filling(robot.clone(), &request).map_err(|error| self.failed(&robot, error))?;
         let report = match self.common.format() {
-            Format::Csv => rows(&found, &terms, &robot, &request).csv(),
+            Format::Csv => table(&found, &terms, &robot, &request).csv(),
             Format::Json => json(&found, &terms, &robot, &request),
             Format::Text => text(&found, &terms, &robot, &request),
         };
         let drawing = || Ok(sheet(&found, &robot));
-        self.common.write_with_plot(report, &self.plot, drawing)?;
-        Ok(if found.jumps() > 0 {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write(report, drawing)?;
+        Ok(Status::of(found.jumps() > 0))
     }
 
     fn request(&self, terms: &Terms) -> Request {
@@ -124,12 +135,12 @@ impl FillingOf {
                 rate: self.omega,
                 lean,
                 firing_angle: self.alpha_f,
-                valve_open: self.terms.valve_open().unwrap_or(VALVE_OPEN),
+                valve_open: self.terms.valve_open.unwrap_or(VALVE_OPEN),
             },
             landing_height: terms.landing_height,
             clear: self.clear.unwrap_or(0.0),
             pause: self.pause,
-            most: self.most,
+            most: MOST,
         }
     }
 
@@ -147,16 +158,6 @@ impl FillingOf {
     }
 }
 
-/// Parser of a flag.
-fn most(text: &str) -> Result<usize, String> {
-    const MOST: usize = 100_000;
-    let count = text.trim().parse().ok();
-    let allowed = |_: &usize| format!("must be a whole number from 1 to {MOST}");
-    count
-        .filter(|count| (1..=MOST).contains(count))
-        .ok_or_else(|| allowed(&0))
-}
-
 /// What the gas is called.
 fn gas(robot: &Robot) -> &'static str {
     match robot.leg.cylinder().map(|c| c.gas) {
@@ -167,34 +168,23 @@ fn gas(robot: &Robot) -> &'static str {
     }
 }
 
-fn rows(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Rows {
-    let mut rows = Rows::new(&terms.columns(COLUMNS));
+fn rows<'a>(found: &'a Filling, robot: &'a Robot) -> impl Iterator<Item = Row<'a>> {
     let mut total = 0.0;
-    for (i, hop) in found.hops.iter().enumerate() {
-        if hop.counts {
-            total += hop.distance.unwrap_or(0.0);
-        }
-        let mut row = vec![
-            Cell::Count(i + 1),
-            hop.tank.pressure.into(),
-            hop.tank.temperature.into(),
-            hop.gas.into(),
-            Cell::Word(hop.outcome.name()),
-            hop.apex.into(),
-            hop.apex.map(|apex| apex - robot.body.radius).into(),
-            hop.distance.into(),
-            total.into(),
-            Cell::Flag(hop.counts),
-        ];
-        row.extend(terms.cells(Some(request.launch.firing_angle)));
-        rows.push(row);
-    }
-    rows
+    found.hops.iter().enumerate().map(move |(i, hop)| {
+        total += hop.distance.filter(|_| hop.counts).unwrap_or(0.0);
+        (hop, i + 1, total, robot)
+    })
+}
+
+fn table(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Rows {
+    let angle = Some(request.launch.firing_angle);
+    let table = Rows::of(&columns(), rows(found, robot));
+    terms.told(table, std::iter::repeat(angle))
 }
 
 fn json(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> String {
     let mut document = terms.json("filling");
-    let rows = rows(found, terms, robot, request).json();
+    let rows = table(found, terms, robot, request).json();
     for (key, value) in [
         ("omega_rad_s", json!(request.launch.rate)),
         ("alpha_f_rad", json!(request.launch.firing_angle)),
@@ -245,26 +235,21 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
             format!("jump {number} does not clear {clear} m")
         }
         End::NoLanding => format!("jump {number} does not come down to the landing height"),
-        End::Most => format!("the count ends at {number} (--most)"),
+        End::Most => format!("the count ends at {number}"),
     };
     let left = format!(
         "{} bar above ambient and {} K are left",
         digits(1e-5 * (found.left.pressure - ambient), 4),
         digits(found.left.temperature, 4),
     );
+    // Of many jumps the first and the last ones.
+    let is_shown =
+        |(_, i, ..): &Row<'_>| number <= SHOWN || *i <= SHOWN / 2 || *i + SHOWN / 2 > number;
+    let shortened = rows(found, robot).filter(is_shown);
     format!(
         "{head}\n  {}\n  {why}; {left}\n{}",
         terms.line(),
-        table(found, robot).text(&[
-            ("jump", "jump", ""),
-            ("tank_bar", "tank, gauge", "bar"),
-            ("tank_temperature_k", "tank", "K"),
-            ("gas_g", "gas", "g"),
-            ("apex_m", "apex", "m"),
-            ("distance_m", "distance", "m"),
-            ("total_m", "total", "m"),
-            ("outcome", "outcome", ""),
-        ])
+        Rows::of(&shown(), shortened).text()
     )
 }
 
@@ -273,40 +258,6 @@ fn counted(jumps: usize) -> String {
         1 => "1 jump".into(),
         n => format!("{n} jumps"),
     }
-}
-
-/// The jumps for people: of many the first and the last ones.
-fn table(found: &Filling, robot: &Robot) -> Rows {
-    let mut rows = Rows::new(&[
-        "jump",
-        "tank_bar",
-        "tank_temperature_k",
-        "gas_g",
-        "apex_m",
-        "distance_m",
-        "total_m",
-        "outcome",
-    ]);
-    let (count, mut total) = (found.hops.len(), 0.0);
-    for (i, hop) in found.hops.iter().enumerate() {
-        if hop.counts {
-            total += hop.distance.unwrap_or(0.0);
-        }
-        let is_shown = count <= SHOWN || i < SHOWN / 2 || i + SHOWN / 2 >= count;
-        if is_shown {
-            rows.push(vec![
-                Cell::Count(i + 1),
-                (1e-5 * (hop.tank.pressure - robot.environment.ambient.0)).into(),
-                hop.tank.temperature.into(),
-                (1e3 * hop.gas).into(),
-                hop.apex.into(),
-                hop.distance.into(),
-                total.into(),
-                Cell::Word(hop.outcome.name()),
-            ]);
-        }
-    }
-    rows
 }
 
 fn sheet(found: &Filling, robot: &Robot) -> Drawing {
@@ -325,11 +276,7 @@ fn sheet(found: &Filling, robot: &Robot) -> Drawing {
             Mark::Solid
         },
     };
-    let mut total = 0.0;
-    let totals = found.hops.iter().enumerate().map(|(i, hop)| {
-        total += hop.distance.filter(|_| hop.counts).unwrap_or(0.0);
-        ((i + 1) as f64, total)
-    });
+    let totals = rows(found, robot).map(|(_, number, total, _)| (number as f64, total));
     let totals = Line {
         points: totals.collect(),
         ..line(GREEN, &|_| None)

@@ -11,17 +11,21 @@ use saltus::fit::{self, Fitted, USUAL};
 use serde_json::{Map, Value, json};
 
 use super::Status;
-use super::common::{OutputFlags, read_folders, robot};
+use super::common::{OutputFlags, RobotFlags, read_folders};
 use super::diagnose::words;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits, reachable};
+use crate::output::{self, Files, Format, digits, reachable, unit};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
 /// Fit the parameters of a leg to benchtop firings, with standard errors and what the data do not
 /// tell
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus fit --help` explains data and output.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus fit --help` explains data and output.",
+    after_long_help = LONG_HELP,
+    mut_arg("robot", |robot| robot.help("Robot that is believed to have been measured, in place of the folder's: a built-in one or a TOML file"))
+)]
 pub(crate) struct Fit {
     /// Data folders of kind bench: an experiment.toml and a CSV file for each firing
     #[arg(value_name = "FOLDER", required = true)]
@@ -36,18 +40,8 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "FILE.toml")]
     robot_out: Option<PathBuf>,
 
-    /// Robot that is believed to have been measured, in place of the folder's: a built-in one or a
-    /// TOML file
-    #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
-    robot: Option<String>,
-
-    /// Override a parameter of the robot by its dotted key; may be repeated
-    #[arg(
-        long = "set",
-        value_name = "KEY=VALUE",
-        help_heading = "Robot and output"
-    )]
-    overrides: Vec<String>,
+    #[command(flatten)]
+    robot: RobotFlags,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -58,7 +52,7 @@ Examples:
   saltus fit bench/monday
   saltus fit bench/monday bench/tuesday --robot-out fitted.toml --format json
   saltus fit bench/monday --parameters leg.discharge_coefficient,leg.orifice_radius_m
-  saltus diagnose --inject valve-discharge=0.5 --out synthetic && saltus fit synthetic
+  saltus inject valve-discharge=0.5 --out synthetic && saltus fit synthetic
 
 Data are those of `saltus diagnose`, of kind bench. All parameters are fitted at the same time, by least squares in which single bad \
 readings count little. --parameters takes leg.discharge_coefficient, leg.orifice_radius_m, leg.dead_volume_m3, leg.valve_delay_s, \
@@ -88,19 +82,17 @@ struct Report<'a> {
 
 impl Fit {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
         self.output.report_ready()?;
         reachable("--robot-out", self.robot_out.as_deref())?;
         let mut folder = read_folders(&self.folders)?;
         let misstated = disbelieve(&mut folder.experiment);
         folder.notes.extend(misstated.iter().map(words::misstated));
         let unusable = |reason: String| CliError::content(folder.path.display(), reason);
-        let name = self.robot.clone().or_else(|| folder.robot_name());
-        let name = name.ok_or(CliError::Missing {
+        let believed = self.robot.robot_if_any(folder.robot_name())?;
+        let believed = believed.ok_or(CliError::Missing {
             flag: "--robot",
             allowed: "the robot that was measured",
         })?;
-        let believed = robot(&name, &self.overrides)?;
         experiment::plausible(&folder, Some(&believed))?;
         let names: Vec<String> = match self.parameters.as_slice() {
             [] => USUAL.map(str::to_owned).into(),
@@ -134,11 +126,7 @@ impl Fit {
         }
         files.report(self.output.out(), text);
         files.write()?;
-        Ok(if fitted.estimate.undetermined.is_empty() {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(fitted.estimate.undetermined.is_empty()))
     }
 }
 
@@ -146,7 +134,7 @@ impl Fit {
 fn slip_of(p: &Parameter) -> Option<String> {
     let error = p.error.unwrap_or(f64::NAN);
     slip(&Estimated {
-        unit: words::unit(&p.name),
+        unit: unit(&p.name),
         believed: p.believed,
         value: p.value,
         error,

@@ -11,17 +11,21 @@ use serde_json::{Value, json};
 
 use self::margin::{Margin, Passage};
 use self::sensed::Learning;
-use super::common::{OutputFlags, PlotOption, Threads, any_robot, seed};
+use super::common::{OutputFlags, RobotFlags, Seed, Threads};
 use super::{Place, Status};
 use crate::error::{CliError, cut};
-use crate::output::{Files, Format, digits};
+use crate::output::{Files, Format, digits, in_words};
 use crate::progress::Progress;
 use crate::quantity;
 
 /// Jump over a box: from rest, some legs accelerate and the next one jumps; or out of a run, over a box
 /// that a range sensor sees
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus jump --help` explains the output.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus jump --help` explains the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("robot", |robot| robot.help("Robot: a built-in one with a boom or without (rats-boom, rats-run) or a TOML file [default: rats-run]"))
+)]
 pub(crate) struct Jump {
     /// The box: HEIGHTxLENGTH@FRONT (m), its front counted from the axle at rest; with FRONT as FROM:TO
     /// it is anywhere between, and the robot senses it
@@ -31,10 +35,6 @@ pub(crate) struct Jump {
     /// Legs that accelerate before the one that jumps [default: 3]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
     legs: Option<u8>,
-
-    /// Jump at one firing angle, whatever the rate at touch-down
-    #[arg(long)]
-    constant: bool,
 
     /// Drawn robots on which the firings are sought [default: 8]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
@@ -51,33 +51,14 @@ pub(crate) struct Jump {
     #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
     robots: u16,
 
-    /// Seed of the robots and of the search
-    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
-    seed: u64,
+    #[command(flatten)]
+    seed: Seed,
 
     #[command(flatten)]
     threads: Threads,
 
-    /// Robot: a built-in one with a boom or without (rats-boom, rats-run), or a TOML file
-    #[arg(
-        long,
-        value_name = "NAME|FILE",
-        default_value = "rats-run",
-        help_heading = "Robot and output"
-    )]
-    robot: String,
-
-    /// Override a parameter of the robot by its dotted key, as in leg.supply_pressure_gauge_psi=160;
-    /// may be repeated
-    #[arg(
-        long = "set",
-        value_name = "KEY=VALUE",
-        help_heading = "Robot and output"
-    )]
-    overrides: Vec<String>,
-
     #[command(flatten)]
-    plot: PlotOption,
+    robot: RobotFlags,
 
     #[command(flatten)]
     output: OutputFlags,
@@ -86,17 +67,14 @@ pub(crate) struct Jump {
 const LONG_HELP: &str = "\
 Examples:
   saltus jump --obstacle 0.1x0.21@1:6
-  saltus jump --obstacle 0.21x0.21@1:6 --greatest 80:200:7 --plot greatest.svg
   saltus jump --obstacle 0.21x0.21@1.3 --set leg.supply_pressure_gauge_psi=160
-  saltus jump --obstacle 0.16x0.21@1.3 --constant --format json --out box.json
+  saltus jump --obstacle 0.16x0.21@1.3 --format json --out box.json
 
 FRONT as FROM:TO is a box that the robot senses. At each leg's entry into the active zone a table says whether the leg drives, \
 brakes or jumps, and at which firing angle: by the rate, the height of the axle and the distance to the box, which the range \
 sensor gives (keys range_ of [sensors]) and the encoder of the boom carries on. The table is made by dynamic programming over \
 strides of drawn robots, --rounds of --runs runs. A robot with less than --room to run up backs off first. The answer is the share of other robots \
-that clears the solid box, each at a front of its own, and the share of these that still runs at over 1 m/s 3 s later. --greatest \
-does this for boxes of different heights, up to that of --obstacle, and several supply pressures: FROM:TO:COUNT in psi. The \
-default takes some minutes, and about ten for each pressure.
+that clears the solid box, each at a front of its own, and the share of these that still runs at over 1 m/s 3 s later. It takes some minutes.
 
 With one FRONT, the robot stands on two feet. Each leg that accelerates has a firing angle and a valve opening time; the next one jumps at \
 α_f = A ω + B, where ω is the rate that its gyro has after its touch-down, with its valve open past the end of the stroke. \
@@ -130,15 +108,14 @@ struct Answer<'a> {
 
 impl Jump {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
-        self.output.ready(&self.plot)?;
+        self.output.report_ready()?;
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
         files.check()?;
-        let robot = any_robot(&self.robot, &self.overrides)?;
+        let robot = self.robot.any_robot_or("rats-run")?;
         if robot.space.is_some() {
             return Err(CliError::Moved {
-                asked: format!("jump --robot {}", self.robot),
+                asked: format!("jump --robot {}", robot.name),
                 place: Place::Study("over_box 0.21 2.2 2.2 16 3 100"),
             });
         }
@@ -148,10 +125,6 @@ impl Jump {
                 allowed: "HEIGHTxLENGTH@FRONT in m, as in 0.21x0.21@1.3, or with FROM:TO as FRONT",
             });
         };
-        if self.plot.is_set() && self.learning.finds_one() {
-            let allowed = "used with --greatest";
-            return Err(CliError::flag("--plot", "", allowed));
-        }
         if self.output.format() == Format::Csv {
             let allowed = "text or json";
             return Err(CliError::flag("--format", "csv", allowed));
@@ -176,10 +149,10 @@ impl Jump {
             draw: Draw::around(robot),
             obstacle,
             firings: usize::from(self.legs.unwrap_or(LEGS)),
-            by_rate: !self.constant,
+            by_rate: true,
             sought_on: usize::from(self.sought_on.unwrap_or(SOUGHT_ON)),
             generations,
-            seed: self.seed,
+            seed: self.seed.seed,
         };
         let threads = self.threads.count().get();
         let refused = |error| refused(error, robot);
@@ -189,7 +162,7 @@ impl Jump {
             .map_err(refused)?;
         drop(progress);
         // Other robots than those of the search.
-        let seed = self.seed.wrapping_add(1 << 32);
+        let seed = self.seed.seed.wrapping_add(1 << 32);
         let tried = crossing
             .try_on(&plan, usize::from(self.robots), seed, threads)
             .map_err(refused)?;
@@ -205,11 +178,7 @@ impl Jump {
             _ => answer.text(),
         };
         self.output.write_report(report)?;
-        Ok(if answer.share().value() >= ENOUGH {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(answer.share().value() >= ENOUGH))
     }
 }
 
@@ -277,14 +246,7 @@ impl Answer<'_> {
             short(leap.valve_open * 1e3)
         );
         let share = self.share();
-        let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
-        let _ = writeln!(
-            text,
-            "  cleared            {} of {} other robots, {} % (95 %: {low} to {high} %)",
-            share.count,
-            share.of,
-            digits(100.0 * share.value(), 3)
-        );
+        let _ = writeln!(text, "  cleared            {}", in_words(&share));
         text += &self.margin().lines(height, share, ENOUGH);
         text
     }
@@ -319,7 +281,7 @@ impl Answer<'_> {
             "cleared_share": share.value(),
             "cleared_share_95": [low, high],
             "clearance_m": self.margin().json(),
-            "seed": self.jump.seed,
+            "seed": self.jump.seed.seed,
         })
     }
 }

@@ -7,12 +7,12 @@ use saltus::{Planner, Robot};
 use serde_json::{Value, json};
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption};
+use super::common::{Common, PlantFlags};
 use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
 use crate::error::CliError;
-use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::output::{self, Column, Format, Table as Rows, columns, digits};
 use crate::plot::Drawing;
 use crate::plot::law::{LawPlot, Line};
 use crate::progress::Progress;
@@ -31,9 +31,6 @@ pub(crate) struct Law {
 
     #[command(flatten)]
     plant: PlantFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -69,31 +66,30 @@ miss_m}]}]}.
 
 The exit code is 1 if a target is infeasible.";
 
-/// Columns after the target's own.
-macro_rules! columns {
-    ($target:literal, $nearest:literal) => {
-        &[
-            $target,
-            "slope_s",
-            "intercept_rad",
-            "residual_greatest_rad",
-            "residual_rms_rad",
-            "miss_greatest_m",
-            "miss_rms_m",
-            "valid_from_rad_s",
-            "valid_to_rad_s",
-            "rates",
-            "rates_out_of_reach",
-            "status",
-            $nearest,
-            "nearest_omega_rad_s",
-            "nearest_alpha_f_rad",
-        ]
+/// The columns of a kind of target; a row is what was found, and the tolerance (m).
+fn columns<'a>(kind: Kind) -> [Column<(&'a Found, f64)>; 15] {
+    let [target, nearest] = match kind {
+        Kind::Distance => ["distance_m", "nearest_distance_m"],
+        Kind::Clearance => ["clearance_m", "nearest_clearance_m"],
     };
+    columns! {
+        target, "", |(one, _)| one.target;
+        "slope_s", "", |(one, _)| one.of_law(|law| law.slope);
+        "intercept_rad", "", |(one, _)| one.of_law(|law| law.intercept);
+        "residual_greatest_rad", "", |(one, _)| one.of_law(|law| law.residuals().0);
+        "residual_rms_rad", "", |(one, _)| one.of_law(|law| law.residuals().1);
+        "miss_greatest_m", "", |(one, _)| one.of_law(|law| law.misses().0);
+        "miss_rms_m", "", |(one, _)| one.of_law(|law| law.misses().1);
+        "valid_from_rad_s", "", |(one, most)| one.valid(*most).map(|(from, _)| from);
+        "valid_to_rad_s", "", |(one, most)| one.valid(*most).map(|(_, to)| to);
+        "rates", "", |(one, _)| one.of_law(|law| law.points.len());
+        "rates_out_of_reach", "", |(one, _)| one.of_law(|law| law.out_of_reach.len());
+        "status", "", |(one, _)| one.status();
+        nearest, "", |(one, _)| one.near(|near| near.at.value);
+        "nearest_omega_rad_s", "", |(one, _)| one.near(|near| near.rate);
+        "nearest_alpha_f_rad", "", |(one, _)| one.near(|near| near.at.firing_angle);
+    }
 }
-
-const DISTANCES: &[&str] = columns!("distance_m", "nearest_distance_m");
-const CLEARANCES: &[&str] = columns!("clearance_m", "nearest_clearance_m");
 
 /// The law of one target, or how near one gets to it.
 struct Found {
@@ -129,8 +125,8 @@ struct Near {
 
 impl Law {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        self.common.ready()?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         let request = self.target.request(Roots::Least, &robot)?;
         let (planner, found, proof) = {
             let _progress = Progress::new("law", 0);
@@ -152,59 +148,15 @@ impl Law {
             Format::Text => self.text(&found, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.drawing(&found, &terms, planner.robot());
-        self.common.write_with_plot(report, &self.plot, drawing)?;
-        Ok(if found.iter().all(|one| one.law.is_some()) {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write(report, drawing)?;
+        Ok(Status::of(found.iter().all(|one| one.law.is_some())))
     }
 
     fn rows(&self, found: &[Found], terms: &Terms) -> Rows {
-        let columns = if self.target.kind() == Kind::Distance {
-            DISTANCES
-        } else {
-            CLEARANCES
-        };
-        let mut rows = Rows::new(&terms.columns(columns));
-        for one in found {
-            let mut row = self.row(one);
-            // A law's stances start at angles of their own, or at one lean.
-            row.extend(terms.cells(terms.start_lean));
-            rows.push(row);
-        }
-        rows
-    }
-
-    fn row(&self, one: &Found) -> Vec<Cell> {
-        let law = one.law.as_ref();
-        let number = |key: &dyn Fn(&planner::Law) -> f64| Cell::from(law.map(key));
-        let valid = law.and_then(|law| law.valid_range(self.tolerance));
-        let count = |key: &dyn Fn(&planner::Law) -> usize| {
-            law.map_or(Cell::Empty, |law| Cell::Count(key(law)))
-        };
-        let near = |key: fn(&Near) -> f64| Cell::from(one.nearest.as_ref().map(key));
-        vec![
-            one.target.into(),
-            number(&|law| law.slope),
-            number(&|law| law.intercept),
-            number(&|law| law.residuals().0),
-            number(&|law| law.residuals().1),
-            number(&|law| law.misses().0),
-            number(&|law| law.misses().1),
-            valid.map(|(from, _)| from).into(),
-            valid.map(|(_, to)| to).into(),
-            count(&|law| law.points.len()),
-            count(&|law| law.out_of_reach.len()),
-            Cell::Word(match law {
-                Some(law) if law.out_of_reach.is_empty() => "feasible",
-                Some(_) => "partly",
-                None => one.status(),
-            }),
-            near(|near| near.at.value),
-            near(|near| near.rate),
-            near(|near| near.at.firing_angle),
-        ]
+        let found = found.iter().map(|one| (one, self.tolerance));
+        let table = Rows::of(&columns(self.target.kind()), found.clone());
+        // A law's stances start at angles of their own, or at one lean.
+        terms.told(table, found.map(|_| terms.start_lean))
     }
 
     fn json(&self, rows: &Rows, found: &[Found], terms: &Terms, proof: Option<&Proof>) -> String {
@@ -347,12 +299,26 @@ fn find(planner: &Planner<Corrected>, request: &TableRequest) -> Result<Vec<Foun
 }
 
 impl Found {
-    /// What is said of a target without a law.
+    fn of_law<T>(&self, of: fn(&planner::Law) -> T) -> Option<T> {
+        self.law.as_ref().map(of)
+    }
+
+    fn near(&self, of: fn(&Near) -> f64) -> Option<f64> {
+        self.nearest.as_ref().map(of)
+    }
+
+    /// The rates (rad/s) from and to which the law misses by `most` (m) at most.
+    fn valid(&self, most: f64) -> Option<(f64, f64)> {
+        self.law.as_ref()?.valid_range(most)
+    }
+
     fn status(&self) -> &'static str {
-        match &self.nearest {
-            Some(_) => "infeasible",
-            None if self.takes_off => "no-landing",
-            None => "no-jump",
+        match (&self.law, &self.nearest) {
+            (Some(law), _) if law.out_of_reach.is_empty() => "feasible",
+            (Some(_), _) => "partly",
+            (None, Some(_)) => "infeasible",
+            (None, None) if self.takes_off => "no-landing",
+            (None, None) => "no-jump",
         }
     }
 }

@@ -17,19 +17,15 @@ pub(super) struct Learned {
 }
 
 impl Learned {
-    /// What `seed`, or without one the best seed, learnt by the file at `path`.
-    pub(super) fn load(path: &Path, seed: Option<u64>) -> Result<Learned, CliError> {
+    /// What the best seed learnt by the file at `path`.
+    pub(super) fn load(path: &Path) -> Result<Learned, CliError> {
         input::note(path);
         input::spared()?;
         let name = path.display().to_string();
         let file = PolicyFile::load(path)?;
         let settings = file.settings(&name)?;
-        let Some(held) = file.held(&settings, seed) else {
-            let seeds = file.tables.iter().map(|held| held.seed.to_string());
-            let allowed = format!("one of {}", seeds.collect::<Vec<_>>().join(", "));
-            let given = seed.unwrap_or_default();
-            return Err(CliError::flag("--policy-seed", given, allowed));
-        };
+        let held = file.held(&settings);
+        let held = held.ok_or_else(|| CliError::content(&name, "no seed learnt anything"))?;
         let table = settings.table(&held.values);
         Ok(Learned {
             seed: held.seed,

@@ -6,10 +6,10 @@ use saltus::{Outcome, Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption, Threads};
+use super::common::{Common, PlantFlags, Threads};
 use super::terms::{TermFlags, Terms};
 use crate::error::CliError;
-use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::output::{self, Cell, Column, Format, Table as Rows, columns, digits};
 use crate::plot::Drawing;
 use crate::plot::map::{MapPlot, Panel};
 use crate::progress::Progress;
@@ -47,9 +47,6 @@ pub(crate) struct Map {
     plant: PlantFlags,
 
     #[command(flatten)]
-    plot: PlotOption,
-
-    #[command(flatten)]
     common: Common,
 }
 
@@ -77,21 +74,33 @@ where empty}]}; a friction that is infinite is the text \"inf\".
 
 The exit code is 1 if none of the launches lands.";
 
-const COLUMNS: &[&str] = &[
-    "omega_rad_s",
-    "alpha_f_rad",
-    "outcome",
-    "distance_m",
-    "apex_m",
-    "friction_needed",
-];
+fn columns<'a>() -> [Column<&'a Spot>; 6] {
+    columns! {
+        "omega_rad_s", "ω", |spot| spot.launch.rate;
+        "alpha_f_rad", "α_f", |spot| spot.launch.firing_angle;
+        "outcome", "outcome", |spot| outcome(spot);
+        "distance_m", "distance", |spot| number(spot, |result| result.distance);
+        "apex_m", "apex", |spot| number(spot, |result| result.apex);
+        "friction_needed", "friction|needed", |spot| {
+            match number(spot, |result| result.friction_needed) {
+                Some(f64::INFINITY) => Cell::Word("inf"),
+                needed => needed.into(),
+            }
+        };
+    }
+}
+
+/// A number of a launch that was computed.
+fn number(spot: &Spot, of: fn(&SpotResult) -> Option<f64>) -> Option<f64> {
+    spot.result.as_ref().ok().and_then(of)
+}
 
 /// Launches for each thread to compute before progress is shown.
 const BLOCK: usize = 4096;
 
 impl Map {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         let count = self.omega.len().saturating_mul(self.alpha_f.len());
         if count > MOST {
             return Err(CliError::flag(
@@ -100,11 +109,11 @@ impl Map {
                 format!("{MOST} combinations at most, not {count}"),
             ));
         }
-        if self.plot.is_set() && count > MOST_DRAWN {
+        if self.common.plot.is_set() && count > MOST_DRAWN {
             let allowed = format!("used with {MOST_DRAWN} combinations at most, not {count}");
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         self.terms.note_valve(&robot);
         let map = match &plant {
             Some(plant) => {
@@ -115,7 +124,7 @@ impl Map {
         };
         // What a map of the plant says is the plant's.
         let robot = plant.map_or(robot, |plant| plant.robot().clone());
-        let rows = rows(&map);
+        let rows = Rows::of(&columns(), map.spots.iter());
         let report = match self.common.format() {
             Format::Csv => rows.csv(),
             Format::Json => {
@@ -126,17 +135,9 @@ impl Map {
             Format::Text => self.text(&map, &rows, &robot),
         };
         let drawing = || Ok(Drawing::Map(self.drawing(&map, &robot)));
-        self.common.write_with_plot(report, &self.plot, drawing)?;
-        let lands = |spot: &Spot| {
-            spot.result
-                .as_ref()
-                .is_ok_and(|result| result.distance.is_some())
-        };
-        Ok(if map.spots.iter().any(lands) {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write(report, drawing)?;
+        let lands = |spot: &Spot| number(spot, |result| result.distance).is_some();
+        Ok(Status::of(map.spots.iter().any(lands)))
     }
 
     /// The map, some rates after the others, so that one sees how far it is.
@@ -190,25 +191,13 @@ impl Map {
             lines.push("  each of them: --format csv, --format json or --plot".into());
             return lines.join("\n") + "\n";
         }
-        let listed = rows.text(&[
-            ("omega_rad_s", "ω", "rad/s"),
-            ("alpha_f_rad", "α_f", "rad"),
-            ("outcome", "outcome", ""),
-            ("distance_m", "distance", "m"),
-            ("apex_m", "apex", "m"),
-            ("friction_needed", "friction", "needed"),
-        ]);
-        lines.join("\n") + "\n" + &listed
+        lines.join("\n") + "\n" + &rows.text()
     }
 
     fn drawing(&self, map: &planner::Map, robot: &Robot) -> MapPlot {
         let panel = |title: String, key: fn(&SpotResult) -> Option<f64>| Panel {
             title,
-            values: map
-                .spots
-                .iter()
-                .map(|spot| spot.result.as_ref().ok().and_then(key))
-                .collect(),
+            values: map.spots.iter().map(|spot| number(spot, key)).collect(),
         };
         let landing = format!("distance (m), {}", self.terms.of(robot).landing_title());
         MapPlot {
@@ -222,26 +211,6 @@ impl Map {
             outcomes: map.spots.iter().map(outcome).collect(),
         }
     }
-}
-
-fn rows(map: &planner::Map) -> Rows {
-    let mut rows = Rows::new(COLUMNS);
-    for spot in &map.spots {
-        let result = spot.result.as_ref().ok();
-        let friction = match result.and_then(|result| result.friction_needed) {
-            Some(f64::INFINITY) => Cell::Word("inf"),
-            needed => Cell::from(needed),
-        };
-        rows.push(vec![
-            spot.launch.rate.into(),
-            spot.launch.firing_angle.into(),
-            Cell::Word(outcome(spot)),
-            result.and_then(|result| result.distance).into(),
-            result.and_then(|result| result.apex).into(),
-            friction,
-        ]);
-    }
-    rows
 }
 
 /// How the launch ends: its stance, and of a jump the landing.
@@ -267,10 +236,11 @@ fn outcomes(map: &planner::Map) -> Vec<(&'static str, usize)> {
 
 /// Least and greatest value, and where they are.
 fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>) -> String {
+    let spots = map.spots.iter();
     let values = || {
-        map.spots
-            .iter()
-            .filter_map(|spot| Some((key(spot.result.as_ref().ok()?)?, spot.launch)))
+        spots
+            .clone()
+            .filter_map(|spot| Some((number(spot, key)?, spot.launch)))
     };
     let least = values().min_by(|a, b| a.0.total_cmp(&b.0));
     let most = values().max_by(|a, b| a.0.total_cmp(&b.0));

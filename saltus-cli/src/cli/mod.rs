@@ -2,12 +2,14 @@
 
 mod common;
 mod completions;
+mod design;
 mod diagnose;
 mod disturb;
 mod export;
 mod filling;
 mod film;
 mod fit;
+mod inject;
 mod jump;
 mod law;
 mod learn;
@@ -66,6 +68,8 @@ Examples:
   saltus jump --obstacle 0.16x0.21@1.3
   saltus learn run-zone --out policy.json --plot curve.svg
   saltus diagnose logs/monday --report monday.html
+  saltus inject coulomb-friction=25 --out synthetic
+  saltus design plan.toml --propose 12
   saltus fit bench/monday --robot-out fitted.toml
   saltus export c --distance 0.3:0.8:11 --out firmware/src
   saltus export mjcf --robot rats-boom --out rats-boom.xml
@@ -74,22 +78,41 @@ Examples:
 Exit codes: 0 done, 1 the answer is no, 2 bad input.
 `saltus help COMMAND` explains a command and its output.";
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Simulate(simulate::Simulate),
-    Table(table::Table),
-    Law(law::Law),
-    Map(map::Map),
-    Plan(plan::Plan),
-    Verify(verify::Verify),
-    Run(run::Run),
-    Filling(filling::FillingOf),
-    Jump(jump::Jump),
-    Learn(learn::Learn),
-    Diagnose(diagnose::Diagnose),
-    Fit(fit::Fit),
-    Export(export::Export),
-    Completions(completions::Completions),
+/// The commands, a line each: what clap reads, and runs.
+macro_rules! commands {
+    ($($name:ident $flags:path;)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name($flags)),+
+        }
+
+        impl Command {
+            fn run(self) -> Result<Status, CliError> {
+                match self {
+                    $(Command::$name(command) => command.run()),+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    Simulate simulate::Simulate;
+    Table table::Table;
+    Law law::Law;
+    Map map::Map;
+    Plan plan::Plan;
+    Verify verify::Verify;
+    Run run::Run;
+    Filling filling::FillingOf;
+    Jump jump::Jump;
+    Learn learn::Learn;
+    Diagnose diagnose::Diagnose;
+    Design design::Design;
+    Inject inject::Inject;
+    Fit fit::Fit;
+    Export export::Export;
+    Completions completions::Completions;
 }
 
 /// Why a command line is none.
@@ -111,6 +134,13 @@ pub(crate) enum Status {
     Interrupted,
 }
 
+impl Status {
+    /// Done where the answer is yes.
+    fn of(yes: bool) -> Status {
+        if yes { Status::Done } else { Status::No }
+    }
+}
+
 impl Cli {
     /// Parses the words after the program's name.
     ///
@@ -127,27 +157,6 @@ impl Cli {
     /// Runs the command that was parsed.
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.command.run()
-    }
-}
-
-impl Command {
-    fn run(self) -> Result<Status, CliError> {
-        match self {
-            Command::Simulate(command) => command.run(),
-            Command::Table(command) => command.run(),
-            Command::Law(command) => command.run(),
-            Command::Map(command) => command.run(),
-            Command::Plan(command) => command.run(),
-            Command::Verify(command) => command.run(),
-            Command::Run(command) => command.run(),
-            Command::Filling(command) => command.run(),
-            Command::Jump(command) => command.run(),
-            Command::Learn(command) => command.run(),
-            Command::Diagnose(command) => command.run(),
-            Command::Fit(command) => command.run(),
-            Command::Export(command) => command.run(),
-            Command::Completions(command) => command.run(),
-        }
     }
 }
 

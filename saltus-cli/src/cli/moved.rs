@@ -45,6 +45,13 @@ const MOVED: &[Moved] = &[
     to_study("jump", "--rest", "ball_jump 0.3,0.2"),
     to_study("jump", "--map", "ball_jump map 0.2"),
     to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
+    to_study("jump", "--constant", "landing_scatter -- 120 30 100"),
+    gone(
+        "jump",
+        "--greatest",
+        "try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160",
+    ),
+    gone("jump", "--plot", "there is nothing to draw of a box"),
     to_study("run", "--bears", "bears steer 40 bears-steer.svg"),
     to_study("run", "--analyse", "analyse"),
     to_study("run", "--gait optimal", "optimal 3 1.6 0.9 100"),
@@ -60,11 +67,89 @@ const MOVED: &[Moved] = &[
         "--as",
         "saltus export policy writes C99, which a program in Rust links",
     ),
+    gone(
+        "run",
+        "--policy-seed",
+        "the best seed runs; `saltus learn --seed 7 --seeds 1` has one alone",
+    ),
+    gone(
+        "export",
+        "--policy-seed",
+        "the best seed is written; `saltus learn --seed 7 --seeds 1` has one alone",
+    ),
+    gone(
+        "export",
+        "--effort",
+        "a squared second of open valve costs 0.01 m²/s²",
+    ),
+    gone(
+        "export",
+        "--period",
+        "it is that of the robot's sensors: --set sensors.period_ms=5",
+    ),
+    gone("diagnose", "--plot", "the page of --report has the charts"),
+    to_command("diagnose", "--power", "saltus design PLAN.toml"),
+    to_command(
+        "diagnose",
+        "--effect",
+        "saltus design PLAN.toml --effect CAUSE=VALUE",
+    ),
+    to_command(
+        "diagnose",
+        "--propose",
+        "saltus design PLAN.toml --propose COUNT",
+    ),
+    to_command(
+        "diagnose",
+        "--inject",
+        "saltus inject CAUSE=VALUE --out FOLDER",
+    ),
+    gone(
+        "diagnose",
+        "--false-alarms",
+        "5 % of data without an effect may be said to have one",
+    ),
+    gone(
+        "diagnose",
+        "--samples",
+        "each plan of --replan is flown 200 times",
+    ),
+    gone(
+        "plan",
+        "--no-slip",
+        "friction_coefficient in the course limits what a stance needs",
+    ),
+    gone(
+        "verify",
+        "--scatter",
+        "[errors] of the robot says what is drawn",
+    ),
+    gone(
+        "verify",
+        "--accuracy",
+        "jumps are integrated with an error of 1e-9 in each step",
+    ),
+    gone(
+        "verify",
+        "--fixed-step",
+        "jumps are integrated with an error of 1e-9 in each step",
+    ),
+    gone("filling", "--most", "the count ends at 10000 jumps"),
 ];
 
 /// What is a study now.
 const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
     let place = Place::Study(study);
+    Moved {
+        command,
+        words,
+        place,
+    }
+}
+
+/// What another command line does.
+const fn to_command(command: &'static str, words: &'static str, line: &'static str) -> Moved {
+    let place = Place::Now(line);
     Moved {
         command,
         words,

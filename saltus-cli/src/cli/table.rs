@@ -2,17 +2,17 @@
 
 use clap::Args;
 use saltus::on_plant::{Confirmed, OnPlant, for_table};
-use saltus::planner::{self, Corrected, Entry, Measure, Nearest, Roots, Sensitivity, TableRequest};
+use saltus::planner::{self, Corrected, Measure, Nearest, Roots, Sensitivity, TableRequest};
 use saltus::{Planner, Robot};
 use serde_json::json;
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption};
+use super::common::{Common, PlantFlags};
 use super::proof::Proof;
 use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
 use crate::error::CliError;
-use crate::output::{self, Cell, Format, Table as Rows, digits};
+use crate::output::{self, Column, Format, Table as Rows, columns, digits};
 use crate::plot::Drawing;
 use crate::plot::curves::{Curve, Curves};
 use crate::progress::Progress;
@@ -26,9 +26,6 @@ pub(crate) struct Table {
 
     #[command(flatten)]
     plant: PlantFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -68,43 +65,71 @@ JSON: {\"command\": \"table\", \"robot\": NAME, \"robot_sha256\", \"saltus_versi
 
 The exit code is 1 unless every row is feasible.";
 
-/// Columns of a table of distances.
-const DISTANCES: &[&str] = &[
-    "omega_rad_s",
-    "distance_m",
-    "alpha_f_rad",
-    "apex_m",
-    "land_m",
-    "t_liftoff_s",
-    "status",
-    "alpha_f_late_rad",
-    "distance_sd_m",
-    "apex_sd_m",
-    "distance_by_omega_m_s_per_rad",
-    "distance_by_alpha_f_m_per_rad",
-    "distance_by_valve_open_m_per_s",
-    "distance_by_supply_m_per_pa",
-    "apex_by_omega_m_s_per_rad",
-    "apex_by_alpha_f_m_per_rad",
-    "apex_by_valve_open_m_per_s",
-    "apex_by_supply_m_per_pa",
-    "nearest_distance_m",
-    "nearest_alpha_f_rad",
-];
+/// A cell of the table, the height (m) at which its jumps land, and the robot.
+type Row<'a> = (&'a planner::Cell, f64, &'a Robot);
 
-/// Columns of a table of clearances.
-const CLEARANCES: &[&str] = &[
-    "omega_rad_s",
-    "clearance_m",
-    "alpha_f_rad",
-    "apex_m",
-    "land_m",
-    "t_liftoff_s",
-    "status",
-    "alpha_f_late_rad",
-    "nearest_clearance_m",
-    "nearest_alpha_f_rad",
-];
+/// The columns of a kind of target.
+fn columns<'a>(kind: Kind) -> Vec<Column<Row<'a>>> {
+    let [target, nearest] = match kind {
+        Kind::Distance => ["distance_m", "nearest_distance_m"],
+        Kind::Clearance => ["clearance_m", "nearest_clearance_m"],
+    };
+    let first: [Column<Row<'a>>; 8] = columns! {
+        "omega_rad_s", "ω", |(cell, ..)| cell.rate;
+        target, "", |(cell, ..)| cell.target;
+        "alpha_f_rad", "α_f early", |(cell, ..)| angle(cell, 0);
+        "apex_m", "apex", |(cell, ..)| cell.entries.first().and_then(|it| it.jump.apex());
+        "land_m", "landing", |(cell, height, _)| cell.entries.first().and_then(|it| it.jump.distance(*height));
+        "t_liftoff_s", "", |(cell, ..)| cell.entries.first().map(|it| it.jump.stance.time);
+        "status", "status", |(cell, ..)| status(cell);
+        "alpha_f_late_rad", "α_f late", |(cell, ..)| angle(cell, 1);
+    };
+    let spread: [Column<Row<'a>>; 10] = columns! {
+        "distance_sd_m", "distance ±1σ", |row| deviation(row, 0);
+        "apex_sd_m", "apex ±1σ", |row| deviation(row, 1);
+        "distance_by_omega_m_s_per_rad", "", |row| slope(row, 0, |by| by.by_rate);
+        "distance_by_alpha_f_m_per_rad", "", |row| slope(row, 0, |by| by.by_firing_angle);
+        "distance_by_valve_open_m_per_s", "", |row| by_valve(row, 0);
+        "distance_by_supply_m_per_pa", "", |row| slope(row, 0, |by| by.by_supply);
+        "apex_by_omega_m_s_per_rad", "", |row| slope(row, 1, |by| by.by_rate);
+        "apex_by_alpha_f_m_per_rad", "", |row| slope(row, 1, |by| by.by_firing_angle);
+        "apex_by_valve_open_m_per_s", "", |row| by_valve(row, 1);
+        "apex_by_supply_m_per_pa", "", |row| slope(row, 1, |by| by.by_supply);
+    };
+    let last: [Column<Row<'a>>; 2] = columns! {
+        nearest, "nearest reached", |(cell, ..)| cell.nearest.map(|near| near.value);
+        "nearest_alpha_f_rad", "with α_f", |(cell, ..)| cell.nearest.map(|near| near.firing_angle);
+    };
+    let spread = spread.into_iter().filter(|_| kind == Kind::Distance);
+    first.into_iter().chain(spread).chain(last).collect()
+}
+
+/// The firing angle `k` of a cell (rad).
+fn angle(cell: &planner::Cell, k: usize) -> Option<f64> {
+    cell.entries
+        .get(k)
+        .map(|entry| entry.jump.launch.firing_angle)
+}
+
+/// The sensitivity of the distance or of the apex of the first jump.
+fn sensitivity((cell, ..): &Row<'_>, k: usize) -> Option<Sensitivity> {
+    Some(cell.entries.first()?.sensitivity?[k])
+}
+
+fn slope(row: &Row<'_>, k: usize, by: fn(&Sensitivity) -> f64) -> Option<f64> {
+    sensitivity(row, k).as_ref().map(by)
+}
+
+/// None of a leg without a valve.
+fn by_valve(row: &Row<'_>, k: usize) -> Option<f64> {
+    slope(row, k, |by| by.by_valve_open).filter(|_| row.2.leg.drive.has_valve())
+}
+
+/// By the robot's errors; a robot file that states none has no bands.
+fn deviation(row: &Row<'_>, k: usize) -> Option<f64> {
+    let deviation = sensitivity(row, k)?.standard_deviation(&row.2.errors);
+    Some(deviation).filter(|d| *d > 0.0)
+}
 
 /// What is tabulated.
 type Cells = planner::Table;
@@ -114,8 +139,8 @@ const BLOCK: usize = 64;
 
 impl Table {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let (robot, plant) = self.plant.on_plant(self.common.robot_flags())?;
+        self.common.ready()?;
+        let (robot, plant) = self.plant.on_plant(&self.common.robot)?;
         let request = self.target.request(Roots::All, &robot)?;
         let (planner, correction) = for_table(robot, plant.as_ref(), &request)?;
         let mut table = compute(&planner, &request)?;
@@ -132,27 +157,18 @@ impl Table {
             Format::Text => self.text(&rows, &terms, proof.as_ref(), planner.robot()),
         };
         let drawing = || self.curves(&table, &request, &terms, planner.robot());
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        self.common.write(report, drawing)?;
         let all_feasible = table.cells.iter().all(|cell| !cell.entries.is_empty());
-        Ok(if all_feasible {
-            Status::Done
-        } else {
-            Status::No
-        })
+        Ok(Status::of(all_feasible))
     }
 
     fn rows(&self, table: &Cells, terms: &Terms, robot: &Robot) -> Rows {
-        let kind = self.target.kind();
-        let columns = if kind == Kind::Distance {
-            DISTANCES
-        } else {
-            CLEARANCES
-        };
-        let mut rows = Rows::new(&terms.columns(columns));
-        for cell in &table.cells {
-            rows.push(row(cell, kind, terms, robot));
-        }
-        rows
+        let cells = table.cells.iter();
+        let rows = cells
+            .clone()
+            .map(|cell| (cell, terms.landing_height, robot));
+        let rows = Rows::of(&columns(self.target.kind()), rows);
+        terms.told(rows, cells.map(|cell| angle(cell, 0)))
     }
 
     fn json(&self, rows: &Rows, terms: &Terms, proof: Option<&Proof>) -> String {
@@ -167,37 +183,22 @@ impl Table {
 
     fn text(&self, rows: &Rows, terms: &Terms, proof: Option<&Proof>, robot: &Robot) -> String {
         let kind = self.target.kind();
-        let columns: &[(&str, &str, &str)] = match kind {
-            Kind::Distance => &[
-                ("omega_rad_s", "ω", "rad/s"),
-                ("distance_m", "distance", "m"),
-                ("alpha_f_rad", "α_f early", "rad"),
-                ("alpha_f_late_rad", "α_f late", "rad"),
-                ("distance_sd_m", "distance ±1σ", "m"),
-                ("apex_m", "apex", "m"),
-                ("apex_sd_m", "apex ±1σ", "m"),
-                ("status", "status", ""),
-                ("nearest_distance_m", "nearest reached", "m"),
-                ("nearest_alpha_f_rad", "with α_f", "rad"),
-            ],
-            Kind::Clearance => &[
-                ("omega_rad_s", "ω", "rad/s"),
-                ("clearance_m", "clearance", "m"),
-                ("alpha_f_rad", "α_f early", "rad"),
-                ("alpha_f_late_rad", "α_f late", "rad"),
-                ("apex_m", "apex", "m"),
-                ("land_m", "landing", "m"),
-                ("status", "status", ""),
-                ("nearest_clearance_m", "nearest reached", "m"),
-                ("nearest_alpha_f_rad", "with α_f", "rad"),
-            ],
+        let columns = match kind {
+            Kind::Distance => {
+                "omega_rad_s distance_m alpha_f_rad alpha_f_late_rad distance_sd_m apex_m apex_sd_m status \
+                 nearest_distance_m nearest_alpha_f_rad"
+            }
+            Kind::Clearance => {
+                "omega_rad_s clearance_m alpha_f_rad alpha_f_late_rad apex_m land_m status \
+                 nearest_clearance_m nearest_alpha_f_rad"
+            }
         };
         let head = format!("{}: firing angles α_f for a {}", robot.name, kind.name());
         format!(
             "{head}\n  {}\n{}  {BRANCHES}\n{}",
             terms.line(),
             proof.map_or_else(String::new, Proof::line),
-            rows.text(columns)
+            rows.text_of(columns)
         )
     }
 
@@ -219,8 +220,8 @@ impl Table {
             let column = || table.cells.iter().skip(i).step_by(width);
             Curve {
                 label: format!("{} m", digits(*target, 4)),
-                points: column().map(|cell| point(cell, 0)).collect(),
-                late: column().map(|cell| point(cell, 1)).collect(),
+                points: column().map(|cell| (cell.rate, angle(cell, 0))).collect(),
+                late: column().map(|cell| (cell.rate, angle(cell, 1))).collect(),
             }
         };
         let what = match request.measure {
@@ -266,16 +267,6 @@ fn confirm(plant: &OnPlant, request: &TableRequest, table: &mut Cells) -> Confir
 const BRANCHES: &str = "α_f early, α_f late: the angles that serve; the early one jumps higher. \
     ±1σ: standard deviation, by the robot's [errors].";
 
-/// Rate and the firing angle `k` of a cell, none where there is none.
-fn point(cell: &planner::Cell, k: usize) -> (f64, Option<f64>) {
-    (
-        cell.rate,
-        cell.entries
-            .get(k)
-            .map(|entry| entry.jump.launch.firing_angle),
-    )
-}
-
 /// How a cell ends.
 fn status(cell: &planner::Cell) -> &'static str {
     match (cell.entries.first(), &cell.nearest) {
@@ -304,60 +295,4 @@ fn nothing(table: &Cells, kind: &str) -> String {
         }
         None => "No angle takes off".into(),
     }
-}
-
-fn row(cell: &planner::Cell, kind: Kind, terms: &Terms, robot: &Robot) -> Vec<Cell> {
-    let first = cell.entries.first();
-    let angle = |entry: &Entry| entry.jump.launch.firing_angle;
-    let mut row = vec![
-        cell.rate.into(),
-        cell.target.into(),
-        first.map(angle).into(),
-    ];
-    row.push(first.and_then(|entry| entry.jump.apex()).into());
-    row.push(
-        first
-            .and_then(|entry| entry.jump.distance(terms.landing_height))
-            .into(),
-    );
-    row.push(first.map(|entry| entry.jump.stance.time).into());
-    row.extend([
-        Cell::Word(status(cell)),
-        cell.entries.get(1).map(angle).into(),
-    ]);
-    if kind == Kind::Distance {
-        row.extend(sensitivities(
-            first.and_then(|entry| entry.sensitivity),
-            robot,
-        ));
-    }
-    let nearest = |key: fn(&Nearest) -> f64| Cell::from(cell.nearest.as_ref().map(key));
-    row.extend([nearest(|n| n.value), nearest(|n| n.firing_angle)]);
-    row.extend(terms.cells(first.map(angle)));
-    row
-}
-
-/// Standard deviations and sensitivities of distance and apex.
-fn sensitivities(both: Option<[Sensitivity; 2]>, robot: &Robot) -> Vec<Cell> {
-    let Some(both) = both else {
-        return vec![Cell::Empty; 10];
-    };
-    // A robot file that states no errors has no bands.
-    let deviations = both
-        .iter()
-        .map(|one| Some(one.standard_deviation(&robot.errors)).filter(|d| *d > 0.0));
-    let has_valve = robot.leg.drive.has_valve();
-    let slopes = both.iter().flat_map(|one| {
-        let by_valve_open = has_valve.then_some(one.by_valve_open);
-        [
-            Some(one.by_rate),
-            Some(one.by_firing_angle),
-            by_valve_open,
-            Some(one.by_supply),
-        ]
-    });
-    deviations
-        .map(Cell::from)
-        .chain(slopes.map(Cell::from))
-        .collect()
 }

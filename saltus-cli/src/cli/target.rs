@@ -22,8 +22,8 @@ pub(crate) struct TargetFlags {
     omega: Values,
 
     /// Distances to reach (m), from the foot to the landing
-    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
-    #[arg(required_unless_present = "clearance", conflicts_with_all = ["clearance", "obstacle"])]
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true,
+        required_unless_present = "clearance", conflicts_with_all = ["clearance", "obstacle"])]
     distance: Option<Values>,
 
     /// Clearances to keep (m): least distance between the flying wheel and the obstacle
@@ -31,8 +31,7 @@ pub(crate) struct TargetFlags {
     clearance: Option<Values>,
 
     /// Box on the ground (m): its front edge's distance from the foot, its width, its height
-    #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
-    #[arg(requires = "clearance")]
+    #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true, requires = "clearance")]
     obstacle: Option<Block>,
 
     #[command(flatten)]
@@ -179,20 +178,6 @@ pub(crate) fn block(text: &str) -> Result<Block, String> {
 
 /// Parser of a flag.
 fn limits(text: &str) -> Result<(f64, f64), String> {
-    let refused = || {
-        format!(
-            "{:?} must be two angles, the lower first, as in -0.6:0.8",
-            cut(text)
-        )
-    };
-    let (low, high) = text.split_once(':').ok_or_else(refused)?;
-    let (low, high) = (
-        quantity::angle(low).map_err(|error| error.to_string())?,
-        quantity::angle(high).map_err(|error| error.to_string())?,
-    );
-    if low < high {
-        Ok((low, high))
-    } else {
-        Err(refused())
-    }
+    let allowed = "two angles, the lower first, as in -0.6:0.8";
+    quantity::span(text, &Quantity::ANGLE, allowed)
 }

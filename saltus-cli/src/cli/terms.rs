@@ -6,25 +6,25 @@ use saltus::Robot;
 use serde_json::{Map, Value, json};
 
 use super::common::note_valve;
-use crate::output::{Cell, digits};
+use crate::output::{Cell, Table, digits};
 use crate::quantity;
 
 /// Flags that say where a jump starts and ends.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct TermFlags {
     /// Where a distance ends: `wheel`, where the wheel touches level ground, or the height (m)
-    /// above the foothold to which the wheel's centre comes down; 0 is the thesis' reading
-    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true, default_value = "wheel")]
-    landing_height: LandingHeight,
+    /// above the foothold to which the wheel's centre comes down; 0 is the thesis' reading [default: wheel]
+    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
+    pub(crate) landing_height: Option<LandingHeight>,
 
     /// Valve opening time t_v (s); of no effect for a spring, which has no valve [default: 0.1]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    valve_open: Option<f64>,
+    pub(crate) valve_open: Option<f64>,
 
     /// Where the stance starts and the approach rate counts: `firing`, at the firing angle, or at
-    /// this lean φ₀ (rad)
-    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true, default_value = "firing")]
-    start_lean: StartLean,
+    /// this lean φ₀ (rad) [default: firing]
+    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
+    pub(crate) start_lean: Option<StartLean>,
 }
 
 /// Where a distance ends.
@@ -71,15 +71,14 @@ impl TermFlags {
         note_valve(robot, self.valve_open.map(|_| "--valve-open"));
     }
 
-    /// Valve opening time (s), where it is given.
-    pub(crate) fn valve_open(self) -> Option<f64> {
-        self.valve_open
-    }
-
     /// The terms for `robot`.
     pub(crate) fn of(self, robot: &Robot) -> Terms {
-        let valve_open = self.valve_open.unwrap_or(VALVE_OPEN);
-        Terms::new(robot, self.landing_height, valve_open, self.start_lean)
+        Terms::new(
+            robot,
+            self.landing_height.unwrap_or(LandingHeight::Wheel),
+            self.valve_open.unwrap_or(VALVE_OPEN),
+            self.start_lean.unwrap_or(StartLean::Firing),
+        )
     }
 }
 
@@ -146,27 +145,29 @@ impl Terms {
         }
     }
 
-    /// `columns`, and those that say in every row what a table was made for.
-    pub(crate) fn columns(&self, columns: &[&'static str]) -> Vec<&'static str> {
+    /// `table`, whose rows have these firing angles, with the columns that say in every row what it was
+    /// made for.
+    pub(crate) fn told(
+        &self,
+        table: Table,
+        angles: impl IntoIterator<Item = Option<f64>>,
+    ) -> Table {
         let plant = self.plant.iter().flat_map(|_| PLANT_COLUMNS);
-        let all = columns.iter().copied().chain(COLUMNS);
-        all.chain(plant).collect()
-    }
-
-    /// The cells of the columns that [`columns`](Terms::columns) adds, for a row with this firing
-    /// angle.
-    pub(crate) fn cells(&self, firing_angle: Option<f64>) -> Vec<Cell> {
-        let mut cells = vec![
-            Cell::from(self.has_valve.then_some(self.valve_open)),
-            Cell::from(firing_angle.map(|angle| self.start_lean.unwrap_or(angle))),
-            Cell::from(self.landing_height),
-            Cell::Text(self.robot.clone()),
-            Cell::Text(self.fingerprint.clone()),
-            Cell::Word(env!("CARGO_PKG_VERSION")),
-        ];
-        let plant = self.plant.iter().flatten();
-        cells.extend(plant.map(|word| Cell::Text(word.clone())));
-        cells
+        let columns: Vec<&str> = COLUMNS.into_iter().chain(plant).collect();
+        let cells = |angle: Option<f64>| {
+            let mut cells = vec![
+                Cell::from(self.has_valve.then_some(self.valve_open)),
+                Cell::from(angle.map(|angle| self.start_lean.unwrap_or(angle))),
+                Cell::from(self.landing_height),
+                Cell::Text(self.robot.clone()),
+                Cell::Text(self.fingerprint.clone()),
+                Cell::Word(env!("CARGO_PKG_VERSION")),
+            ];
+            let plant = self.plant.iter().flatten();
+            cells.extend(plant.map(|word| Cell::Text(word.clone())));
+            cells
+        };
+        table.with(&columns, angles.into_iter().map(cells))
     }
 
     /// What heads a JSON document: the command, and what its numbers were made for.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value, json};
 
 use super::number::{digits, full};
+use super::unit::unit;
 
 /// One value of a row.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,9 +35,33 @@ impl From<f64> for Cell {
     }
 }
 
-impl From<Option<f64>> for Cell {
-    fn from(x: Option<f64>) -> Cell {
-        x.map_or(Cell::Empty, Cell::from)
+impl From<&'static str> for Cell {
+    fn from(word: &'static str) -> Cell {
+        Cell::Word(word)
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::Text(text)
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(flag: bool) -> Cell {
+        Cell::Flag(flag)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(count: usize) -> Cell {
+        Cell::Count(count)
+    }
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Cell {
+        value.map_or(Cell::Empty, T::into)
     }
 }
 
@@ -83,10 +108,23 @@ fn quoted(text: &str) -> String {
     }
 }
 
+/// A column of rows `R`: its name, which ends with its unit, its title for people (empty: not shown),
+/// and its cell of a row.
+pub(crate) type Column<R> = (&'static str, &'static str, fn(&R) -> Cell);
+
+/// Columns of a table, a line each: name, title, and what is in it of a row.
+macro_rules! columns {
+    ($($name:expr, $title:literal, |$row:pat_param| $cell:expr;)+) => {
+        [$(($name, $title, |$row| $crate::output::Cell::from($cell))),+]
+    };
+}
+pub(crate) use columns;
+
 /// Rows under a header.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     columns: Vec<&'static str>,
+    titles: Vec<&'static str>,
     rows: Vec<Vec<Cell>>,
 }
 
@@ -95,8 +133,33 @@ impl Table {
     pub(crate) fn new(columns: &[&'static str]) -> Table {
         Table {
             columns: columns.to_vec(),
+            titles: vec![""; columns.len()],
             rows: Vec::new(),
         }
+    }
+
+    /// The table of `rows`.
+    pub(crate) fn of<R>(columns: &[Column<R>], rows: impl IntoIterator<Item = R>) -> Table {
+        let row = |row: R| columns.iter().map(|(.., cell)| cell(&row)).collect();
+        Table {
+            columns: columns.iter().map(|(name, ..)| *name).collect(),
+            titles: columns.iter().map(|(_, title, _)| *title).collect(),
+            rows: rows.into_iter().map(row).collect(),
+        }
+    }
+
+    /// With more columns without a title, and their cells of each row.
+    pub(crate) fn with(
+        mut self,
+        columns: &[&'static str],
+        cells: impl IntoIterator<Item = Vec<Cell>>,
+    ) -> Table {
+        self.columns.extend(columns);
+        self.titles.resize(self.columns.len(), "");
+        for (row, cells) in self.rows.iter_mut().zip(cells) {
+            row.extend(cells);
+        }
+        self
     }
 
     /// Adds a row with one cell for each column.
@@ -133,46 +196,63 @@ impl Table {
         self.rows.iter().map(object).collect()
     }
 
-    /// The named columns, aligned and rounded, each unit on a line under the name.
-    pub(crate) fn text(&self, columns: &[(&str, &str, &str)]) -> String {
-        let chosen: Vec<usize> = columns
-            .iter()
-            .filter_map(|(key, ..)| self.columns.iter().position(|name| name == key))
-            .collect();
+    /// The columns with a title, aligned and rounded, each unit on a line under the title; without the
+    /// opening time where nothing has a valve.
+    pub(crate) fn text(&self) -> String {
+        let titled = |i: &usize| !self.titles[*i].is_empty();
+        let shown: Vec<usize> = (0..self.columns.len()).filter(titled).collect();
+        self.chosen(&shown)
+    }
+
+    /// As [`text`](Table::text), of the columns in `keys`, in that order.
+    pub(crate) fn text_of(&self, keys: &str) -> String {
+        let place = |key| self.columns.iter().position(|name| *name == key);
+        let shown: Vec<usize> = keys.split_whitespace().filter_map(place).collect();
+        self.chosen(&shown)
+    }
+
+    fn chosen(&self, columns: &[usize]) -> String {
+        let is_empty = |i: usize| self.rows.iter().all(|row| row[i] == Cell::Empty);
+        let is_shown = |i: &&usize| !(self.columns[**i] == "valve_open_s" && is_empty(**i));
+        let columns: Vec<usize> = columns.iter().filter(is_shown).copied().collect();
+        // A title may name another unit than the key.
+        let head = |i: &usize| {
+            let (title, key) = (self.titles[*i], self.columns[*i]);
+            title.split_once('|').unwrap_or((title, unit(key)))
+        };
         let mut lines: Vec<Vec<String>> = vec![
-            columns
-                .iter()
-                .map(|(_, title, _)| (*title).to_owned())
-                .collect(),
-            columns
-                .iter()
-                .map(|(.., unit)| (*unit).to_owned())
-                .collect(),
+            columns.iter().map(|i| head(i).0.to_owned()).collect(),
+            columns.iter().map(|i| head(i).1.to_owned()).collect(),
         ];
-        lines.extend(
-            self.rows
-                .iter()
-                .map(|row| chosen.iter().map(|&i| row[i].text()).collect()),
-        );
-        aligned(&lines)
+        let line = |row: &Vec<Cell>| columns.iter().map(|&i| row[i].text()).collect();
+        lines.extend(self.rows.iter().map(line));
+        aligned(&lines, |_| false)
     }
 }
 
-/// Lines with their cells right-aligned under each other.
-fn aligned(lines: &[Vec<String>]) -> String {
+/// Lines with their cells under each other: the first `left` columns and the last begin in line,
+/// the others end in line.
+pub(crate) fn grid(lines: &[Vec<String>], left: usize) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    aligned(lines, |i| i < left || i + 1 == columns)
+}
+
+/// Lines with their cells under each other, those of the columns `is_left` beginning in line.
+fn aligned(lines: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
     let width = |i: usize| {
-        lines
-            .iter()
-            .map(|line| line[i].chars().count())
-            .max()
-            .unwrap_or_default()
+        let cells = lines.iter().filter_map(|line| line.get(i));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..lines.first().map_or(0, Vec::len)).map(width).collect();
     let mut text = String::new();
     for line in lines {
-        for (cell, width) in line.iter().zip(&widths) {
+        for (i, cell) in line.iter().enumerate() {
+            let width = width(i);
             // Writing to a string does not fail.
-            let _ = write!(text, "  {cell:>width$}");
+            let _ = if is_left(i) {
+                write!(text, "  {cell:<width$}")
+            } else {
+                write!(text, "  {cell:>width$}")
+            };
         }
         text.truncate(text.trim_end().len());
         text.push('\n');
@@ -185,10 +265,12 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let mut table = Table::new(&["rate_rad_s", "outcome", "apex_m"]);
-        table.push(vec![0.1.into(), Cell::Word("stroke"), 0.5.into()]);
-        table.push(vec![5.0.into(), Cell::Word("stall"), f64::NAN.into()]);
-        table
+        let columns: [Column<(f64, &'static str, f64)>; 3] = columns! {
+            "rate_rad_s", "ω", |(rate, ..)| *rate;
+            "outcome", "", |(_, outcome, _)| *outcome;
+            "apex_m", "apex", |(.., apex)| *apex;
+        };
+        Table::of(&columns, [(0.1, "stroke", 0.5), (5.0, "stall", f64::NAN)])
     }
 
     #[test]
@@ -205,7 +287,7 @@ mod tests {
             ])
         );
         assert_eq!(
-            table().text(&[("rate_rad_s", "ω", "rad/s"), ("apex_m", "apex", "m")]),
+            table().text(),
             "      ω  apex\n  rad/s     m\n    0.1   0.5\n      5     –\n"
         );
     }

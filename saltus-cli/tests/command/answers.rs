@@ -13,7 +13,7 @@ fn document(folder: &Folder, line: &str, code: i32) -> Value {
 #[track_caller]
 fn held(test: &str, inject: &str, id: &str, measure: &str) {
     let folder = Folder::new(test);
-    folder.done(&format!("diagnose --inject {inject} --out d"), 0);
+    folder.done(&format!("inject {inject} --out d"), 0);
     let text = folder.done("diagnose d", 1);
     assert!(text.starts_with("Not identifiable: "), "{text}");
     assert!(
@@ -68,10 +68,7 @@ fn a_leg_that_does_not_extend_tells_not_what_holds_it() {
 #[test]
 fn friction_that_lets_the_mass_slip_is_found() {
     let folder = Folder::new("answers-slips");
-    folder.done(
-        "diagnose --inject coulomb-friction=5 --kind slide --out d",
-        0,
-    );
+    folder.done("inject coulomb-friction=5 --kind slide --out d", 0);
     let document = document(&folder, "diagnose d", 1);
     let cause = &document["causes"][0];
     assert_eq!(
@@ -87,7 +84,7 @@ fn friction_that_lets_the_mass_slip_is_found() {
 /// what is wrong.
 #[track_caller]
 fn misstated(folder: &Folder, inject: &str, column: &str, stated: &str) -> Value {
-    folder.done(&format!("diagnose --inject {inject} --out d"), 0);
+    folder.done(&format!("inject {inject} --out d"), 0);
     let manifest = folder.read("d/experiment.toml");
     let line = |line: &str| {
         if line.starts_with(&format!("{column} = ")) {
@@ -124,7 +121,7 @@ fn noise_that_is_stated_far_too_large_hides_nothing() {
     .enumerate()
     {
         let folder = Folder::new(&format!("answers-noise-{k}"));
-        folder.done(&format!("diagnose --inject {inject} --out probe"), 0);
+        folder.done(&format!("inject {inject} --out probe"), 0);
         let manifest = folder.read("probe/experiment.toml");
         // Every column in turn.
         let noise = manifest.split("[noise]\n").nth(1).unwrap();
@@ -181,10 +178,7 @@ fn noise_that_is_right_is_not_said_to_be_wrong() {
         "outcomes --runs 20",
     ] {
         let name = kind.split(' ').next().unwrap();
-        folder.done(
-            &format!("diagnose --inject none --kind {kind} --out {name}"),
-            0,
-        );
+        folder.done(&format!("inject --kind {kind} --out {name}"), 0);
         let told = document(&folder, &format!("diagnose {name} --most 1"), 0);
         assert_eq!(told["misstated_noise"], Value::Array(Vec::new()), "{kind}");
     }
@@ -194,7 +188,7 @@ fn noise_that_is_right_is_not_said_to_be_wrong() {
 fn a_diagnosis_ends_with_what_to_do() {
     let folder = Folder::new("answers-steps");
     folder.done(
-        "diagnose --inject coulomb-friction=25 --kind bench --runs 3 --out my-data",
+        "inject coulomb-friction=25 --kind bench --runs 3 --out my-data",
         0,
     );
     let text = folder.done("diagnose my-data --most 1 --report page.html", 1);
@@ -220,10 +214,7 @@ fn a_diagnosis_ends_with_what_to_do() {
 #[test]
 fn what_the_planner_leaves_out_is_named() {
     let folder = Folder::new("answers-planner");
-    folder.done(
-        "diagnose --inject axle-friction=0.3 --kind jump --runs 2 --out d",
-        0,
-    );
+    folder.done("inject axle-friction=0.3 --kind jump --runs 2 --out d", 0);
     let text = folder.done("diagnose d --most 1 --extend r.toml", 1);
     assert!(
         text.contains("the planner has no term for body.axle_friction_n_m"),
@@ -253,7 +244,7 @@ fn what_the_planner_leaves_out_is_named() {
 #[test]
 fn numbers_are_for_people() {
     let folder = Folder::new("answers-numbers");
-    folder.done("diagnose --inject none --kind flight --out d", 0);
+    folder.done("inject --kind flight --out d", 0);
     for text in [
         folder.done("diagnose d", 0),
         folder.done("diagnose d --report page.html", 0),

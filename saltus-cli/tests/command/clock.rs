@@ -120,7 +120,7 @@ fn check(folder: &Folder, command: &[&str], clocks: usize) {
 fn kind(kind: &str, effect: &str, more: &str, clocks: usize) {
     let folder = Folder::new(&format!("clock-{kind}-{}", more.len()));
     folder.done(
-        &format!("diagnose --inject {effect} --kind {kind} --runs 2 --out data"),
+        &format!("inject {effect} --kind {kind} --runs 2 --out data"),
         0,
     );
     let toml = folder.read("data/experiment.toml");
@@ -149,10 +149,7 @@ fn kind(kind: &str, effect: &str, more: &str, clocks: usize) {
 #[test]
 fn of_the_bench() {
     let folder = Folder::new("clock-bench");
-    folder.done(
-        "diagnose --inject viscous-friction=25 --runs 2 --out data",
-        0,
-    );
+    folder.done("inject viscous-friction=25 --runs 2 --out data", 0);
     check(&folder, &["diagnose", "--most", "1", "--format", "json"], 6);
     check(&folder, &["diagnose", "--most", "1"], 1);
     check(
@@ -213,10 +210,7 @@ fn friction(folder: &Folder, data: &str) -> [f64; 2] {
 #[test]
 fn a_firing_is_found_wherever_the_log_begins_and_ends() {
     let folder = Folder::new("clock-rest");
-    folder.done(
-        "diagnose --inject viscous-friction=25 --runs 2 --out data",
-        0,
-    );
+    folder.done("inject viscous-friction=25 --runs 2 --out data", 0);
     let [expected, error] = friction(&folder, "data");
     let toml = folder.read("data/experiment.toml");
     folder.write(

@@ -21,7 +21,7 @@ fn found(folder: &Folder, data: &str, code: i32) -> Vec<Vec<String>> {
 #[track_caller]
 fn check(test: &str, inject: &str, id: &str) {
     let folder = Folder::new(test);
-    let told = folder.done(&format!("diagnose --inject {inject} --out data"), 0);
+    let told = folder.done(&format!("inject {inject} --out data"), 0);
     assert!(told.contains(&format!("Hidden: {id}")), "{told}");
     let causes = found(&folder, "data --most 1", 1);
     assert_eq!(causes.len(), 1, "{causes:?}");
@@ -63,7 +63,7 @@ fn what_feeds_a_leg_is_found() {
         (tube, "bench", "tube=1.2,0.004"),
     ] {
         let id = hidden.split('=').next().unwrap();
-        let line = format!("diagnose --inject {hidden} --kind {kind} {robot} --runs 4 --out {id}");
+        let line = format!("inject {hidden} --kind {kind} {robot} --runs 4 --out {id}");
         folder.done(&line, 0);
         let causes = found(&folder, &format!("{id} {robot} --most 1"), 1);
         assert_eq!(causes.len(), 1, "{causes:?}");
@@ -82,8 +82,7 @@ fn a_tendon_is_a_cause_of_muscles_alone() {
     let muscle = examples.find(|text| text.contains("kind = \"muscle\""));
     folder.write("muscle.toml", muscle.unwrap());
     let hide = |robot: &str| {
-        let line =
-            format!("diagnose --inject series-spring=2000 --robot {robot} --runs 1 --out data");
+        let line = format!("inject series-spring=2000 --robot {robot} --runs 1 --out data");
         folder.run(&line.split(' ').collect::<Vec<_>>()).code
     };
     assert_eq!(hide("rats-boom"), Some(2));
@@ -104,8 +103,7 @@ fn a_run_of_a_robot_with_a_tank_is_refused() {
 #[test]
 fn slip_on_smooth_ground_is_hidden() {
     let folder = Folder::new("inject-slip");
-    let line =
-        "diagnose --inject foot-slip=0.45 --kind outcomes --robot rats-planar --runs 3 --out d";
+    let line = "inject foot-slip=0.45 --kind outcomes --robot rats-planar --runs 3 --out d";
     let told = folder.done(line, 0);
     assert!(told.contains("static_friction = 0.45"), "{told}");
 }
@@ -122,10 +120,7 @@ fn nothing_is_found_where_nothing_is_hidden() {
         "outcomes --runs 20",
     ] {
         let name = kind.split(' ').next().unwrap();
-        let told = folder.done(
-            &format!("diagnose --inject none --kind {kind} --out {name}"),
-            0,
-        );
+        let told = folder.done(&format!("inject --kind {kind} --out {name}"), 0);
         assert!(told.contains("Nothing is hidden"), "{told}");
         assert_eq!(found(&folder, name, 0), Vec::<Vec<String>>::new(), "{kind}");
     }
@@ -136,7 +131,7 @@ fn the_same_seed_makes_the_same_data() {
     let folder = Folder::new("inject-seed");
     let make = |out: &str, seed: u32| {
         folder.done(
-            &format!("diagnose --inject none --kind hop --runs 1 --seed {seed} --out {out}"),
+            &format!("inject --kind hop --runs 1 --seed {seed} --out {out}"),
             0,
         );
         folder.read(&format!("{out}/run-01.csv"))
@@ -150,7 +145,7 @@ fn the_same_seed_makes_the_same_data() {
 fn a_robot_of_its_own_goes_with_the_data() {
     let folder = Folder::new("inject-robot");
     folder.done(
-        "diagnose --inject dead-volume=0.00001 --set leg.stroke_m=0.05 --runs 2 --out data",
+        "inject dead-volume=0.00001 --set leg.stroke_m=0.05 --runs 2 --out data",
         0,
     );
     assert!(
@@ -168,7 +163,7 @@ fn a_robot_of_its_own_goes_with_the_data() {
 #[test]
 fn the_truth_has_three_formats() {
     let folder = Folder::new("inject-formats");
-    let line = "diagnose --inject sensor-offset=position_m:0.002 --inject \
+    let line = "inject sensor-offset=position_m:0.002 \
         exhaust-port=0.03,0.00002 --runs 2";
     let json: Value =
         serde_json::from_str(&folder.done(&format!("{line} --out a --format json"), 0)).unwrap();
@@ -190,9 +185,9 @@ fn the_truth_has_three_formats() {
 fn what_cannot_be_hidden_is_refused() {
     let folder = Folder::new("inject-bad");
     let cases: &[(&str, &[&str])] = &[
-        ("--inject none", &["--out is missing"]),
+        ("mass=1.1", &["--out <FOLDER>"]),
         (
-            "--inject gremlins=1 --out a",
+            "gremlins=1 --out a",
             &[
                 "gremlins=1",
                 "kind bench",
@@ -200,52 +195,39 @@ fn what_cannot_be_hidden_is_refused() {
                 "9.7003",
             ],
         ),
+        ("foot-slip=0.5 --out a", &["foot-slip", "kind bench"]),
+        ("air-drag --out a", &["air-drag", "CAUSE=VALUE"]),
+        ("coulomb-friction=much --out a", &["CAUSE=VALUE"]),
         (
-            "--inject foot-slip=0.5 --out a",
-            &["foot-slip", "kind bench"],
-        ),
-        ("--inject air-drag --out a", &["air-drag", "CAUSE=VALUE"]),
-        ("--inject coulomb-friction=much --out a", &["CAUSE=VALUE"]),
-        (
-            "--inject coulomb-friction=-5 --out a",
+            "coulomb-friction=-5 --out a",
             &["leg.coulomb_friction_n from 0 to 1000", "-5"],
         ),
-        ("--inject coulomb-friction=1,2 --out a", &["at most 1"]),
+        ("coulomb-friction=1,2 --out a", &["at most 1"]),
+        ("exhaust-port=0.03 --out a", &["leg.exhaust_port.area_m2"]),
         (
-            "--inject exhaust-port=0.03 --out a",
-            &["leg.exhaust_port.area_m2"],
-        ),
-        (
-            "--inject encoder-scale=1.1 --out a",
+            "encoder-scale=1.1 --out a",
             &["encoder-scale=position_m:gain"],
         ),
         (
-            "--inject encoder-scale=y_m:1.1 --out a",
+            "encoder-scale=y_m:1.1 --out a",
             &["encoder-scale=position_m:gain"],
         ),
+        ("none --out a", &["none", "CAUSE=VALUE"]),
+        ("mass=1.1 mass=1.2 --out a", &["twice"]),
+        ("--kind toss --out a", &["invalid value 'toss'", "vessel"]),
         (
-            "--inject none --inject mass=1.1 --out a",
-            &["none", "the only one"],
-        ),
-        ("--inject mass=1.1 --inject mass=1.2 --out a", &["twice"]),
-        (
-            "--inject none --kind toss --out a",
-            &["invalid value 'toss'", "vessel"],
-        ),
-        (
-            "--inject none --kind jump --robot rats-planar --out a",
+            "--kind jump --robot rats-planar --out a",
             &["rats-planar has no boom"],
         ),
-        ("--inject none --runs 0 --out a", &["--runs"]),
+        ("--runs 0 --out a", &["--runs"]),
         (
-            "--inject valve-discharge=0.02 --kind jump --runs 1 --out a",
+            "valve-discharge=0.02 --kind jump --runs 1 --out a",
             &["the robot makes 0 of 1 motions"],
         ),
-        ("data --inject none --out a", &["cannot be used with"]),
-        ("", &["<FOLDER"]),
+        ("", &["--out <FOLDER>"]),
     ];
     for (line, words) in cases {
-        let line = format!("diagnose {line}");
+        let line = format!("inject {line}");
         let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
         assert_eq!(run.code, Some(2), "{line}: {}", run.err);
         for word in *words {
@@ -259,7 +241,7 @@ fn what_cannot_be_hidden_is_refused() {
 fn a_fit_gives_back_what_was_hidden() {
     let folder = Folder::new("fit");
     folder.done(
-        "diagnose --inject valve-discharge=0.45 --inject coulomb-friction=15 --runs 5 --out data",
+        "inject valve-discharge=0.45 coulomb-friction=15 --runs 5 --out data",
         0,
     );
     let text = folder.done("fit data --robot-out fitted.toml", 0);
@@ -294,8 +276,8 @@ fn a_fit_gives_back_what_was_hidden() {
 #[test]
 fn a_fit_of_other_data_is_refused() {
     let folder = Folder::new("fit-bad");
-    folder.done("diagnose --inject none --kind flight --out flight", 0);
-    folder.done("diagnose --inject none --runs 2 --out bench", 0);
+    folder.done("inject --kind flight --out flight", 0);
+    folder.done("inject --runs 2 --out bench", 0);
     let cases: &[(&str, &[&str])] = &[
         ("", &["<FOLDER"]),
         ("nowhere", &["nowhere"]),

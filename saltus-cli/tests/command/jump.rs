@@ -54,39 +54,6 @@ fn a_sensed_box_is_answered_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn the_greatest_box_is_sought_at_each_pressure() {
-    let folder = Folder::new("jump-greatest");
-    let line = "jump --obstacle 0.04x0.1@2:3 --runs 8 --rounds 1 --robots 2 --greatest 100:120:2 \
-                --plot greatest.svg --out greatest.json";
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let run = folder.run(&words);
-    assert!(matches!(run.code, Some(0 | 1)), "{}", run.err);
-    let json: Value = serde_json::from_str(&folder.read("greatest.json")).unwrap();
-    let rows = json["greatest"].as_array().unwrap();
-    let psi: Vec<f64> = rows
-        .iter()
-        .map(|row| row["supply_pressure_gauge_psi"].as_f64().unwrap())
-        .collect();
-    assert_eq!(psi, [100.0, 120.0]);
-    for row in rows {
-        let height = &row["height_m"];
-        assert!(
-            height.is_null() || [0.02, 0.04].contains(&height.as_f64().unwrap()),
-            "{row}"
-        );
-    }
-    assert_eq!(
-        run.code,
-        Some(i32::from(rows.iter().any(|row| row["height_m"].is_null())))
-    );
-    assert!(
-        folder
-            .read("greatest.svg")
-            .contains("supply pressure (psi)")
-    );
-}
-
-#[test]
 fn bad_input_is_named() {
     let folder = Folder::new("jump-bad");
     for (line, said) in [
@@ -107,24 +74,11 @@ fn bad_input_is_named() {
             "from 0.24 m, the robot's radius",
         ),
         ("jump --obstacle 0.1x0.2@1 --room 2", "FROM:TO"),
-        (
-            "jump --obstacle 0.1x0.2@1 --greatest 80:200:3",
-            "--greatest",
-        ),
         ("jump --obstacle 0.1x0.2@1:2 --legs 2", "--legs"),
-        ("jump --obstacle 0.1x0.2@1:2 --constant", "--constant"),
         ("jump --obstacle 0.1x0.2@1:2 --room 9", "from 0 to 5 m"),
         ("jump --obstacle 0.1x0.2@1:2 --runs 0", "--runs"),
-        (
-            "jump --obstacle 0.1x0.2@1:2 --greatest 10:20:3",
-            "20 to 400 psi",
-        ),
-        (
-            "jump --obstacle 0.1x0.2@1:2 --greatest 100:80:3",
-            "20 to 400 psi",
-        ),
-        ("jump --obstacle 0.1x0.2@1:2 --plot a.svg", "--greatest"),
-        ("jump --obstacle 0.1x0.2@1 --plot a.svg", "--greatest"),
+        ("jump --obstacle 0.1x0.2@1:2 --plot a.svg", "--plot"),
+        ("jump --obstacle 0.1x0.2@1 --plot a.svg", "--plot"),
         ("jump --obstacle 0.1x0.2@1:2 --robot rats-planar", "boom"),
         ("jump --obstacle 0.1x0.2@1 --format csv", "text or json"),
         (

@@ -98,12 +98,9 @@ fn what_was_learnt_runs_again() {
     assert!((time / learnt - 1.0).abs() < 0.05, "{time} {learnt}");
 
     folder.done("learn run-zone --seeds 2 --episodes 4 --out zone.json", 0);
-    let text = folder.done(
-        "run --policy zone.json --policy-seed 2 --seconds 1 --animate run.html",
-        0,
-    );
+    let text = folder.done("run --policy zone.json --seconds 1 --animate run.html", 0);
     assert!(
-        text.contains("run-zone by sarsa-lambda, as seed 2 learnt it"),
+        text.contains("run-zone by sarsa-lambda, as seed "),
         "{text}"
     );
     assert!(folder.read("run.html").contains("run-zone by sarsa-lambda"));
@@ -237,15 +234,16 @@ const REFUSED: &[(&str, &str)] = &[
     ("run --policy none.json", "none.json"),
     ("run --policy short.json", "short.json: JSON"),
     ("run --policy changed.json", "damaged or changed"),
-    ("run --policy policy.json --policy-seed 9", "one of 1, 2, 3"),
     ("run --policy policy.json --gait fixed", "--gait"),
     (
         "run --policy policy.json --set body.legs=7",
         "body.legs = 7: must be 5",
     ),
-    ("run --policy-seed 1", "--policy"),
     ("export policy empty.json --out c", "policy: is missing"),
-    ("export policy policy.json --out empty.json", "a folder"),
+    (
+        "export policy policy.json --out empty.json",
+        "cannot be written",
+    ),
     ("export policy policy.json", "--out"),
     ("learn run-zone --robot spring-hopper --draw", "pneumatic"),
     (

@@ -64,10 +64,7 @@ fn the_examples_of_the_page_are_read_and_nothing_is_wrong() {
 #[test]
 fn robots_with_a_tank_that_are_none_are_refused() {
     let folder = Folder::new("logs-tank");
-    folder.done(
-        "diagnose --inject none --kind tank-leg --runs 2 --out data",
-        0,
-    );
+    folder.done("inject --kind tank-leg --runs 2 --out data", 0);
     let manifest = folder.read("data/experiment.toml");
     let wrong = [
         ("tube_diameter_m = ", "0.0", "must be a length > 0"),
@@ -127,10 +124,7 @@ fn robots_with_a_tank_that_are_none_are_refused() {
 /// Two firings on the bench with a hidden friction, in `data`.
 fn bench(name: &str) -> Folder {
     let folder = Folder::new(&format!("logs-{name}"));
-    folder.done(
-        "diagnose --inject viscous-friction=25 --runs 2 --out data",
-        0,
-    );
+    folder.done("inject viscous-friction=25 --runs 2 --out data", 0);
     folder
 }
 
@@ -421,7 +415,7 @@ fn units_are_those_of_the_names() {
 #[test]
 fn a_jump_that_starts_too_early_is_told_where_to_start() {
     let folder = Folder::new("logs-early");
-    folder.done("diagnose --inject none --kind jump --runs 3 --out data", 0);
+    folder.done("inject --kind jump --runs 3 --out data", 0);
     let text = folder.read("data/run-01.csv");
     let (header, rows) = text.split_once('\n').unwrap();
     let mut early = format!("{header}\n");
@@ -519,10 +513,7 @@ fn slips_of_unit_on_the_bench_are_named() {
 fn slips_of_unit_elsewhere_are_named() {
     let check = |kind: &str, column: &str, factor: f64, unit: &str| {
         let folder = Folder::new(&format!("logs-slip-{kind}-{}", column.replace('/', "")));
-        folder.done(
-            &format!("diagnose --inject none --kind {kind} --runs 3 --out data"),
-            0,
-        );
+        folder.done(&format!("inject --kind {kind} --runs 3 --out data"), 0);
         let place = |text: &str| text.split(',').position(|name| name == column).unwrap();
         let k = place(folder.read("data/run-01.csv").lines().next().unwrap());
         change(&folder, |i, cells| {
@@ -572,7 +563,7 @@ fn right_data_are_not_refused() {
     for (i, (kind, effect)) in sets.into_iter().enumerate() {
         let folder = Folder::new(&format!("logs-right-{i}"));
         folder.done(
-            &format!("diagnose --inject {effect} --kind {kind} --runs 3 --out data"),
+            &format!("inject {effect} --kind {kind} --runs 3 --out data"),
             0,
         );
         judge(&folder.path("data"));

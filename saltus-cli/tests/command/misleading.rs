@@ -56,10 +56,7 @@ fn refused(name: &str, kind: &str, spoil: impl Fn(&mut Table)) {
 
 fn spoiled(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> Folder {
     let folder = Folder::new(&format!("misleading-{name}"));
-    folder.done(
-        &format!("diagnose --inject none --kind {kind} --out data"),
-        0,
-    );
+    folder.done(&format!("inject --kind {kind} --out data"), 0);
     for file in folder
         .names_in("data")
         .iter()
@@ -153,7 +150,7 @@ fn parts_that_are_none_name_no_cause() {
 #[test]
 fn runs_that_are_mixed_up_name_no_cause() {
     let folder = Folder::new("misleading-mixed-up");
-    folder.done("diagnose --inject none --kind bench --runs 4 --out data", 0);
+    folder.done("inject --kind bench --runs 4 --out data", 0);
     let files: Vec<String> = folder
         .names_in("data")
         .into_iter()
@@ -172,7 +169,7 @@ fn runs_that_are_mixed_up_name_no_cause() {
 #[test]
 fn another_robot_is_refused_or_unknown() {
     let folder = Folder::new("misleading-robot");
-    folder.done("diagnose --inject none --kind hop --runs 2 --out data", 0);
+    folder.done("inject --kind hop --runs 2 --out data", 0);
     let manifest = folder.read("data/experiment.toml");
     folder.write(
         "data/experiment.toml",
@@ -193,10 +190,7 @@ fn another_robot_is_refused_or_unknown() {
 #[cfg(target_os = "linux")]
 fn the_answer_does_not_depend_on_the_number_of_threads() {
     let folder = Folder::new("misleading-threads");
-    folder.done(
-        "diagnose --inject coulomb-friction=25 --runs 3 --out data",
-        0,
-    );
+    folder.done("inject coulomb-friction=25 --runs 3 --out data", 0);
     let words = ["diagnose", "data", "--format", "json", "--most", "1"];
     let alone = Command::new("taskset")
         .args(["-c", "0", env!("CARGO_BIN_EXE_saltus")])

@@ -46,7 +46,7 @@ fn no_command_overwrites_what_it_reads() {
     folder.write("robot.toml", saltus::Robot::rats_planar().to_toml());
     folder.write("drawn.svg", COURSE);
     std::fs::create_dir(folder.path("in")).unwrap();
-    folder.done("diagnose --inject none --kind bench --runs 3 --out d", 0);
+    folder.done("inject --kind bench --runs 3 --out d", 0);
     let cases = [
         ("plan c.toml --format text --out c.toml", "--out c.toml"),
         ("plan c.toml --format text --out ./in/../c.toml", "--out"),
@@ -78,7 +78,7 @@ fn no_command_overwrites_what_it_reads() {
 #[test]
 fn a_corrected_robot_does_not_overwrite_the_data() {
     let folder = Folder::new("overwrites-extend");
-    folder.done("diagnose --inject coulomb-friction=25 --runs 3 --out d", 0);
+    folder.done("inject coulomb-friction=25 --runs 3 --out d", 0);
     refused(
         &folder,
         "diagnose d --most 1 --extend d/experiment.toml",
@@ -158,7 +158,7 @@ fn what_a_killed_run_left_goes() {
     // A folder for data that a killed run has begun.
     std::fs::create_dir_all(folder.path(&format!("d/{gone}/runs"))).unwrap();
     folder.write(&format!("d/{gone}/runs/run-01.csv"), "half of a run");
-    folder.done("diagnose --inject none --kind flight --out d", 0);
+    folder.done("inject --kind flight --out d", 0);
     assert!(
         folder
             .names_in("d")
@@ -175,9 +175,7 @@ fn data_are_written_whole_or_not_at_all() {
     let folder = Folder::new("overwrites-whole");
     // The folder of a run is a file: a run cannot be written.
     folder.write("d", "a file");
-    let run = folder.run(&[
-        "diagnose", "--inject", "none", "--kind", "flight", "--out", "d/data",
-    ]);
+    let run = folder.run(&["inject", "--kind", "flight", "--out", "d/data"]);
     assert_eq!(run.code, Some(2), "{}", run.out);
     assert_eq!(folder.names(), ["d"]);
 }

@@ -114,11 +114,14 @@ fn a_plan_holds_for_a_share_of_drawn_jumps() {
 #[ignore = "nightly: 14 s"]
 fn slip_is_forbidden_where_it_is_asked() {
     let folder = Folder::new("plant-no-slip");
+    let limited = |friction: &str| COURSE.replace("coefficient = 0.8", friction);
     folder.write("course.toml", COURSE);
+    folder.write("grippy.toml", limited("coefficient = 0.43"));
+    folder.write("smooth.toml", limited("coefficient = 0.1"));
     let line =
         "plan course.toml --plant rats-boom --share 0.8 --samples 40 --friction 0.43 --format json";
     let may = json(&folder.done(line, 0));
-    let must_not = json(&folder.done(&format!("{line} --no-slip"), 0));
+    let must_not = json(&folder.done(&line.replace("course", "grippy"), 0));
     let needed = |plan: &Value| {
         let checks = plan["checks"].as_array().unwrap();
         let of = checks
@@ -135,17 +138,10 @@ fn slip_is_forbidden_where_it_is_asked() {
     assert!(needed <= allowed + 1e-5 && allowed <= 0.43, "{must_not}");
     // Less than any stance needs.
     let text = folder.done(
-        "plan course.toml --plant rats-boom --share 0.8 --samples 40 --friction 0.1 --no-slip",
+        "plan smooth.toml --plant rats-boom --share 0.8 --samples 40",
         1,
     );
     assert!(text.contains("infeasible on rats-boom"), "{text}");
-    refused(&folder, "plan course.toml --no-slip", &["--share"]);
-    folder.write(
-        "free.toml",
-        COURSE.replace("friction_coefficient", "# friction_coefficient"),
-    );
-    let unknown = "plan free.toml --plant rats-boom --share 0.8 --no-slip";
-    refused(&folder, unknown, &["--no-slip", "friction of the ground"]);
 }
 
 /// A box that leaves no room for margins: the best there is, and what blocks more.
@@ -288,35 +284,28 @@ fn a_plant_that_answers_cannot_hold_on_is_refused() {
 fn a_log_becomes_a_plan_that_passes() {
     let folder = Folder::new("plant-replan");
     folder.write("course.toml", COURSE.replace("0.15\n", "0.12\n").as_str());
-    folder.done(
-        "diagnose --inject mass=3.1 --kind jump --runs 6 --out monday",
-        0,
-    );
+    folder.done("inject mass=3.1 --kind jump --runs 6 --out monday", 0);
     let report = folder.done(
-        "diagnose monday --replan course.toml --samples 60 --plant rats-boom --plant-set \
-         body.mass_kg=3.1 --report monday.html --format json",
+        "diagnose monday --replan course.toml --plant rats-boom --plant-set \
+         body.mass_kg=3.1 --format json",
         1,
     );
     let replan = &json(&report)["replan"];
     let passed = |plan: &str| replan[plan]["runs_passed"].as_u64().unwrap();
     assert!(
-        passed("believed") < 10 && passed("measured") > 50,
+        passed("believed") < 30 && passed("measured") > 170,
         "{replan}"
     );
     assert_eq!(replan["plant"], "rats-boom");
-    let page = folder.read("monday.html");
-    assert_eq!(page.matches("<iframe").count(), 2);
-    assert_eq!(page.matches("srcdoc=\"&lt;!DOCTYPE html").count(), 2);
     for (flags, parts) in [
         ("--replan none.toml", ["none.toml", ""]),
         ("--replan monday/experiment.toml", ["kind", "unknown key"]),
         (
             "--replan course.toml --plant rats-boom --plant-set body.wheel_radius_m=0.2",
-            ["--plant", "0.24 m"],
+            ["rats-boom", "0.24"],
         ),
         ("--replan course.toml --plant nobody", ["nobody", ""]),
         ("--plant rats-boom", ["--replan", ""]),
-        ("--replan course.toml --samples 3", ["--samples", "20"]),
     ] {
         refused(&folder, &format!("diagnose monday {flags}"), &parts);
     }

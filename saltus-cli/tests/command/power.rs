@@ -8,7 +8,7 @@ const JUMPS: &str = "kind = \"outcomes\"\nrobot = \"rats-planar\"\n[[jump]]\n\
 
 fn told(folder: &Folder, plan: &str, flags: &str) -> Value {
     std::fs::write(folder.path("plan.toml"), plan).unwrap();
-    let line = format!("diagnose --power plan.toml --format json {flags}");
+    let line = format!("design plan.toml --format json {flags}");
     serde_json::from_str(&folder.done(&line, 0)).unwrap()
 }
 
@@ -75,15 +75,9 @@ fn proposed_jumps_tell_more() {
         mean(&proposed["effects"]) > mean(&json["effects"]) + 0.1,
         "{json}"
     );
-    let text = folder.done(
-        &format!("diagnose --power plan.toml {effects} --propose 6"),
-        0,
-    );
+    let text = folder.done(&format!("design plan.toml {effects} --propose 6"), 0);
     assert!(text.contains("tell the effects apart best"), "{text}");
-    let csv = folder.done(
-        &format!("diagnose --power plan.toml {effects} --format csv"),
-        0,
-    );
+    let csv = folder.done(&format!("design plan.toml {effects} --format csv"), 0);
     let (header, rows) = rows(&csv);
     assert_eq!(header[0], "cause");
     // A row for each parameter.
@@ -95,7 +89,7 @@ fn plans_that_are_none_are_refused() {
     let folder = Folder::new("power-refused");
     let refuses = |plan: &str, flags: &str, says: &[&str]| {
         std::fs::write(folder.path("plan.toml"), plan).unwrap();
-        let line = format!("diagnose --power plan.toml {flags}");
+        let line = format!("design plan.toml {flags}");
         let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
         assert_eq!(run.code, Some(2), "{plan}: {run:?}");
         for word in says {

@@ -136,7 +136,7 @@ fn flags_are_answered_in_plain_words() {
 #[track_caller]
 fn told(test: &str, inject: &str, words: &str) {
     let folder = Folder::new(test);
-    folder.done(&format!("diagnose --inject {inject} --out d"), 0);
+    folder.done(&format!("inject {inject} --out d"), 0);
     let text = folder.done("diagnose d --most 1 --report page.html", 1);
     assert!(text.contains(words), "{text}");
     assert!(folder.read("page.html").contains(words));
@@ -173,8 +173,7 @@ fn a_pound_is_named() {
 fn what_the_robot_has_is_not_hidden() {
     let folder = Folder::new("slips-inject");
     let words = [
-        "diagnose",
-        "--inject",
+        "inject",
         "chamber-leak=1e-7",
         "--set",
         "leg.leak_area_m2=1e-7",

@@ -144,7 +144,7 @@ fn what_is_no_run_is_named() {
 fn synthetic_runs_have_the_effect_that_is_asked_for() {
     let folder = Folder::new("strides-inject");
     let text = folder.done(
-        "diagnose --inject encoder-scale=wheel_rate_rad_s:1.1 --kind run --out logs",
+        "inject encoder-scale=wheel_rate_rad_s:1.1 --kind run --out logs",
         0,
     );
     assert!(

@@ -249,7 +249,8 @@ fn a_failure_says_which_demand_by_how_much_how_often_and_what_to_do() {
 fn a_jump_that_cannot_be_simulated_is_a_failed_jump() {
     let folder = folder("stops");
     // Errors two hundred times the robot's: some jumps would start with a foot in the ground.
-    let line = "verify --law=0,0.5 --omega 4 --samples 30 --scatter 200 --tolerance 10 --share 0";
+    let line = "verify --law=0,0.5 --omega 4 --samples 30 --tolerance 10 --share 0 \
+                --set errors.firing_angle_rad=0.6";
     let report = json(&folder, line, 0);
     let failed: Vec<&Value> = report["rows"]
         .as_array()

@@ -269,19 +269,17 @@ impl PolicyFile {
         Ok(settings)
     }
 
-    /// What the seed `seed` learnt, or without one the seed that did best.
-    pub fn held(&self, settings: &Settings, seed: Option<u64>) -> Option<&Held> {
+    /// What the seed that did best learnt.
+    pub fn held(&self, settings: &Settings) -> Option<&Held> {
         let figure = |held: &Held| settings.figure(&held.score.outcome);
-        match seed {
-            Some(seed) => self.tables.iter().find(|held| held.seed == seed),
-            None => self.tables.iter().reduce(|best, held| {
-                if figure(held) > figure(best) {
-                    held
-                } else {
-                    best
-                }
-            }),
-        }
+        let better = |best, held| {
+            if figure(held) > figure(best) {
+                held
+            } else {
+                best
+            }
+        };
+        self.tables.iter().reduce(better)
     }
 
     /// Whether it was learnt under `settings`, from `seed` on, by so many `seeds`; only the number of episodes may differ.

@@ -20,7 +20,7 @@
 
 use saltus_lagrangian::Launch;
 use saltus_robot::{Drive, Errors, Robot};
-use saltus_sim_check::{End, Report, Rig, SimError, Stepping};
+use saltus_sim_check::{End, Report, Rig, SimError};
 
 mod demand;
 mod path;
@@ -43,7 +43,6 @@ pub use verdict::{Failure, Group, Spread, Verdict};
 pub struct Plant {
     robot: Robot,
     tolerance: f64,
-    stepping: Stepping,
 }
 
 /// A jump to be verified.
@@ -120,11 +119,7 @@ impl Disturbance {
 impl Plant {
     /// `robot` as bodies in space, integrated with an error `tolerance` for each step.
     pub fn new(robot: Robot, tolerance: f64) -> Plant {
-        Plant {
-            robot,
-            tolerance,
-            stepping: Stepping::Adaptive,
-        }
+        Plant { robot, tolerance }
     }
 
     /// The robot.
@@ -138,14 +133,6 @@ impl Plant {
     /// [`SimError`] for a robot whose parts cannot be bodies.
     pub fn rig(&self) -> Result<Rig, SimError> {
         Rig::new(&self.robot, &[])
-    }
-
-    /// Stepped otherwise.
-    pub fn stepped(&self, stepping: Stepping) -> Plant {
-        Plant {
-            stepping,
-            ..self.clone()
-        }
     }
 
     /// On ground of this coefficient of friction along the travel, standing and slipping.
@@ -182,7 +169,6 @@ impl Plant {
         use saltus_sim_check::{Plan, Settings};
         let settings = Settings {
             tolerance: self.tolerance,
-            stepping: self.stepping,
             ..Settings::default()
         };
         let plan = Plan {

@@ -8,11 +8,9 @@
 //! truth is worth less than a tenth of the runs tells nothing of a diagnosis: it is listed, and
 //! counts in no share.
 
-use std::ops::ControlFlow;
-
-use saltus::planner::course::Standing;
-use saltus::replan::{Replanned, held_out, replan};
+use saltus::replan::replan;
 use saltus::study::study;
+use saltus::verify::Verification;
 use saltus_diagnosis::{Settings, Sort};
 use saltus_planner::Crossing;
 use saltus_robot::{Robot, resolve};
@@ -100,14 +98,16 @@ fn shares(case: &Case, crossing: &Crossing, samples: usize) -> Option<(String, [
     )
     .ok()?;
     let diagnosed = found.extended().unwrap_or_else(|| believed.clone());
-    let how = held_out(samples, 77);
-    let go_on = |_: &Standing| ControlFlow::Continue(());
+    let how = Verification {
+        samples,
+        seed: 77,
+        tolerance: f64::INFINITY,
+        share: 0.95,
+        ..Verification::default()
+    };
     let share = |robot: &Robot| -> Option<f64> {
-        let plan: Replanned = replan(robot, &truth, crossing, &how, &go_on, &|| ()).ok()?;
-        Some(
-            plan.drawn()
-                .map_or(0.0, |runs| runs.runs_passed as f64 / runs.runs as f64),
-        )
+        let plan = replan(robot, &truth, crossing, &how).ok()?;
+        Some(plan.map_or(0.0, |it| it.runs.runs_passed as f64 / it.runs.runs as f64))
     };
     Some((
         verdict::say(&found.diagnosis),

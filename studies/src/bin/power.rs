@@ -1,4 +1,4 @@
-//! Whether `saltus diagnose --power` says how often an effect is named: plans drawn at random, what
+//! Whether `saltus design` says how often an effect is named: plans drawn at random, what
 //! is predicted of some of their effects, and what diagnoses of hidden ones say.
 //!
 //!     cd studies && cargo run --release --bin power [plans=40] [effects=4] [seed=1]

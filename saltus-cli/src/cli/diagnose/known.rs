@@ -4,8 +4,7 @@
 use saltus::diagnosis::{Candidate, Deviation, Finding, POLICY, Small, Source};
 use serde_json::{Value, json};
 
-use super::words::{split, unit, with_unit};
-use crate::output::digits;
+use crate::output::{digits, split, unit, with_unit};
 
 /// What is known against a finding and its rivals, a sentence for each.
 pub(super) fn against(finding: &Finding) -> Vec<String> {

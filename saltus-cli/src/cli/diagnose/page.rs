@@ -7,13 +7,10 @@ use std::path::PathBuf;
 use saltus::chart::{Chart, Ink, escaped};
 use saltus::diagnosis::{Finding, Point, Sort, points};
 
-use super::bars::Bars;
 use super::known;
-use super::report::{Report, next_of, ratio};
+use super::report::{Report, next_of};
 use super::steps::steps;
-use super::words::split;
-use crate::error::CliError;
-use crate::output::digits;
+use crate::output::split;
 use crate::plot::span;
 
 const STYLE: &str = include_str!("page.css");
@@ -27,7 +24,7 @@ const LINE: usize = 500;
 const CLOUD: usize = 1500;
 
 /// The page.
-pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, CliError> {
+pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     let curves = Curves::of(report);
     let headline = escaped(&report.headline());
     let mut out = format!(
@@ -82,9 +79,9 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     }
     if let Some(replan) = &report.found.replan {
         out.push_str("<h2>What it is worth on a course</h2>\n");
-        sentence(&mut out, &replan.headline());
-        table(&mut out, &replan.lines(), 1);
-        out.push_str(&replan.films()?);
+        for line in replan.lines() {
+            sentence(&mut out, &line);
+        }
     }
     curves.measured(&mut out, report);
     curves.residuals(&mut out, report);
@@ -93,7 +90,7 @@ pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> Result<String, C
     candidates(&mut out, report);
     next(&mut out, report);
     provenance(&mut out, report, folders);
-    Ok(out + "</main>\n</body>\n</html>\n")
+    out + "</main>\n</body>\n</html>\n"
 }
 
 fn sentence(out: &mut String, text: &str) {
@@ -190,54 +187,13 @@ fn gains(out: &mut String, report: &Report<'_>) {
         out,
         "Root mean square of measured less predicted. No model does better than the noise.",
     );
-    let changes = !report.found.diagnosis.findings.is_empty();
-    let rows = report.found.diagnosis.gains.iter().map(|gain| {
-        let (name, unit) = split(&gain.channel);
-        let bar = |class, x: f64, what: &str| (class, x, format!("{} {unit} {what}", digits(x, 3)));
-        let mut bars = vec![bar(
-            "before",
-            gain.rms.0,
-            if changes { "before" } else { "as simulated" },
-        )];
-        if changes {
-            bars.push(bar(
-                "after",
-                gain.rms.1,
-                &format!("after ({} of before, 95 %)", ratio(gain)),
-            ));
-        }
-        bars.push(bar("noise", gain.noise, "noise"));
-        (name.to_owned(), bars)
-    });
-    out.push_str(
-        &Bars {
-            rows: rows.collect(),
-        }
-        .svg(true),
-    );
+    table(out, &report.gains(), 1);
 }
 
 fn candidates(out: &mut String, report: &Report<'_>) {
     out.push_str("<h2>Every cause alone</h2>\n");
     sentence(out, Report::MISFIT);
-    let found: Vec<usize> = report
-        .found
-        .diagnosis
-        .findings
-        .iter()
-        .map(|f| f.best.cause)
-        .collect();
-    let rows = report.tried().into_iter().map(|c| {
-        let class = if found.contains(&c.cause) {
-            "after"
-        } else {
-            "noise"
-        };
-        (c.title(), vec![(class, c.gain.max(0.0), digits(c.gain, 4))])
-    });
-    let rows: Vec<_> = rows.collect();
-    if !rows.is_empty() {
-        out.push_str(&Bars { rows }.svg(false));
+    if !report.found.diagnosis.tried.is_empty() {
         table(out, &report.tried_lines(), 1);
     }
     if let Some(text) = report.silent() {

@@ -13,13 +13,13 @@ use super::Found;
 use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
-use super::words::{estimate, grid, interval, misstated, split, unit, with_unit};
-use crate::output::digits;
+use super::words::{estimate, interval, misstated};
+use crate::output::{digits, grid, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
 pub(super) struct Report<'a> {
-    pub(super) found: &'a Found,
+    pub(super) found: &'a Found<'a>,
     /// What is left by channel and phase, by the model as it is.
     pub(super) before: Vec<PhaseResidual>,
     /// The same by the model with all causes.
@@ -27,7 +27,7 @@ pub(super) struct Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn of(found: &'a Found) -> Report<'a> {
+    pub(super) fn of(found: &'a Found<'a>) -> Report<'a> {
         let kind = found.kind.as_ref();
         let settings = |name: &String| {
             let run = found
@@ -453,9 +453,9 @@ impl<'a> Report<'a> {
         }
         if let Some(replan) = &self.found.replan {
             out += "\n";
-            out += &wrapped(&replan.headline(), "");
-            out += "\n";
-            out += &replan.text();
+            for line in replan.lines() {
+                out += &wrapped(&line, "");
+            }
         }
         out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
         out += &grid(&self.gains(), 1);

@@ -1,22 +1,14 @@
 //! What to do after a diagnosis.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use saltus::Robot;
 use saltus::diagnosis::{Candidate, Finding, Reported};
 use serde_json::{Value, json};
 
-use super::Found;
-use super::words::{estimate, unit};
-use crate::output::digits;
-
-/// How the command was asked, as far as the next one repeats it.
-pub(super) struct Asked {
-    pub(super) folders: Vec<PathBuf>,
-    pub(super) robot: Option<String>,
-    pub(super) overrides: Vec<String>,
-    pub(super) extend: Option<PathBuf>,
-}
+use super::words::estimate;
+use super::{Diagnose, Found};
+use crate::output::{digits, unit};
 
 /// A step: what to do, and the command that does it.
 pub(super) struct Step {
@@ -47,28 +39,20 @@ impl Step {
     }
 }
 
-impl Asked {
-    /// `saltus diagnose` of the same data and the same robot, with `more` flags.
-    fn again(&self, more: &str) -> String {
-        let folders = self
-            .folders
-            .iter()
-            .map(|folder| quoted(&folder.display().to_string()));
-        let robot = self
-            .robot
-            .iter()
-            .map(|name| format!("--robot {}", quoted(name)));
-        let overrides = self
-            .overrides
-            .iter()
-            .map(|text| format!("--set {}", quoted(text)));
-        let words: Vec<String> = folders.chain(robot).chain(overrides).collect();
-        format!("saltus diagnose {} {more}", words.join(" "))
-    }
+/// `saltus diagnose` of the same data and the same robot, with `more` flags.
+fn again(asked: &Diagnose, more: &str) -> String {
+    let folders = asked.folders.iter();
+    let folders = folders.map(|folder| quoted(&folder.display().to_string()));
+    let robot = asked.robot.name().into_iter();
+    let robot = robot.map(|name| format!("--robot {}", quoted(name)));
+    let overrides = asked.robot.overrides().iter();
+    let overrides = overrides.map(|text| format!("--set {}", quoted(text)));
+    let words: Vec<String> = folders.chain(robot).chain(overrides).collect();
+    format!("saltus diagnose {} {more}", words.join(" "))
 }
 
 /// Keys of the corrected robot that the planar model of the planner leaves out.
-pub(super) fn left_out(found: &Found) -> Vec<String> {
+pub(super) fn left_out(found: &Found<'_>) -> Vec<String> {
     found
         .extended
         .as_ref()
@@ -76,7 +60,7 @@ pub(super) fn left_out(found: &Found) -> Vec<String> {
 }
 
 /// What to do, in order.
-pub(super) fn steps(found: &Found) -> Vec<Step> {
+pub(super) fn steps(found: &Found<'_>) -> Vec<Step> {
     let mut all: Vec<Step> = Vec::new();
     for wrong in &found.misstated {
         let seen = digits(wrong.seen, 2);
@@ -93,7 +77,7 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
     if found.diagnosis.unknown.is_some() {
         let what = "Look at the charts of the runs: where and when the simulation is off tells \
             what is missing in it.";
-        all.push(Step::by(what, found.asked.again("--report page.html")));
+        all.push(Step::by(what, again(found.asked, "--report page.html")));
     }
     all.extend(correct_robot(found));
     if all.is_empty() {
@@ -111,7 +95,7 @@ pub(super) fn steps(found: &Found) -> Vec<Step> {
 }
 
 /// What to measure where rivals are left.
-fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
+fn tell_apart(found: &Found<'_>, finding: &Finding) -> Option<Step> {
     let kind = found.kind.as_ref();
     let all = std::iter::once(&finding.best).chain(&finding.rivals);
     let mut names: Vec<String> = all.map(Candidate::title).collect();
@@ -138,7 +122,7 @@ fn tell_apart(found: &Found, finding: &Finding) -> Option<Step> {
 }
 
 /// What to do about a sensor.
-fn correct_sensor(found: &Found, finding: &Finding) -> Option<Step> {
+fn correct_sensor(found: &Found<'_>, finding: &Finding) -> Option<Step> {
     let cause = &found.kind.causes()[finding.best.cause];
     let column = cause.column.as_ref()?;
     let Reported {
@@ -157,7 +141,7 @@ fn correct_sensor(found: &Found, finding: &Finding) -> Option<Step> {
 }
 
 /// What to do with the corrected robot.
-fn correct_robot(found: &Found) -> Vec<Step> {
+fn correct_robot(found: &Found<'_>) -> Vec<Step> {
     if found.extended.is_none() {
         return Vec::new();
     }
@@ -172,7 +156,7 @@ fn correct_robot(found: &Found) -> Vec<Step> {
         let what = "Write the robot with what was found; every command takes it.";
         all.push(Step::by(
             what,
-            found.asked.again(&format!("--extend {file}")),
+            again(found.asked, &format!("--extend {file}")),
         ));
     }
     let left_out = left_out(found).join(", ");

@@ -4,15 +4,13 @@ mod policy;
 mod running;
 mod tables;
 
-use std::path::{Path, PathBuf};
-
-use clap::{Args, Subcommand};
-use saltus::sim_check;
+use clap::{Args, Subcommand, ValueEnum};
+use saltus::Robot;
+use saltus::sim_check::{self, SimError};
 
 use super::Status;
-use super::common::RobotFlags;
+use super::common::{OutFile, RobotFlags};
 use crate::error::CliError;
-use crate::output::{Files, reachable};
 
 /// Write the robot for another program: a controller in C or Rust, a MuJoCo model, or URDF
 #[derive(Args, Debug)]
@@ -37,9 +35,8 @@ struct Mjcf {
     #[command(flatten)]
     robot: RobotFlags,
 
-    /// Write to this file instead of standard output
-    #[arg(long, short, value_name = "FILE", help_heading = "Robot and output")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: OutFile,
 }
 
 /// Write the robot as URDF, for RViz, Foxglove, Drake, Pinocchio and others
@@ -49,9 +46,8 @@ struct Urdf {
     #[command(flatten)]
     robot: RobotFlags,
 
-    /// Write to this file instead of standard output
-    #[arg(long, short, value_name = "FILE", help_heading = "Robot and output")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: OutFile,
 }
 
 const MJCF_HELP: &str = "\
@@ -85,36 +81,42 @@ the simulation's coordinates: travel and height of the axle (m), or boom_turn an
 URDF has no drives, no ground, no springs and no latches. A comment at the head of the file lists what of this robot \
 is missing. docs/viewers.md shows the file in viewers, and says why robots are not read from URDF.";
 
+/// Numbers of a controller.
+#[derive(Args, Clone, Copy, Debug)]
+struct Real {
+    /// Numbers to compute with
+    #[arg(long, value_enum, default_value_t = RealType::Float)]
+    real: RealType,
+}
+
+/// Which numbers a controller computes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RealType {
+    /// 32 bits: float, f32.
+    Float,
+    /// 64 bits: double, f64.
+    Double,
+}
+
 impl Export {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         match self.target {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
             Target::Policy(command) => command.run(),
-            Target::Mjcf(command) => {
-                file_ready(command.out.as_deref())?;
-                let text = sim_check::mjcf(&command.robot.any_robot()?)?;
-                written(text, command.out.as_deref())
-            }
-            Target::Urdf(command) => {
-                file_ready(command.out.as_deref())?;
-                let text = sim_check::urdf(&command.robot.any_robot()?)?;
-                written(text, command.out.as_deref())
-            }
+            Target::Mjcf(Mjcf { robot, out }) => written(&robot, &out, sim_check::mjcf),
+            Target::Urdf(Urdf { robot, out }) => written(&robot, &out, sim_check::urdf),
         }
     }
 }
 
-/// Refuses a file `out` that cannot be written, before long work.
-fn file_ready(out: Option<&Path>) -> Result<(), CliError> {
-    let file = out.filter(|out| *out != Path::new("-"));
-    reachable("--out", file)
-}
-
-/// Writes `text` to the file `out`, or to the screen.
-fn written(text: String, out: Option<&Path>) -> Result<Status, CliError> {
-    let mut files = Files::default();
-    files.report(out, text);
-    files.write()?;
+/// Writes a robot as `write` does.
+fn written(
+    robot: &RobotFlags,
+    out: &OutFile,
+    write: fn(&Robot) -> Result<String, SimError>,
+) -> Result<Status, CliError> {
+    out.ready()?;
+    out.write(write(&robot.any_robot()?)?)?;
     Ok(Status::Done)
 }

@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use saltus::export::{LearntTable, Number};
 
-use super::tables::RealType;
+use super::{Real, RealType};
 use crate::cli::Status;
-use crate::cli::common::seed;
+use crate::cli::common::OutFolder;
 use crate::cli::learned::Learned;
 use crate::error::CliError;
-use crate::output::{Files, reachable_folder};
 
 /// Write what `saltus learn` learnt as a table in C99
 #[derive(Args, Debug)]
@@ -20,17 +19,11 @@ pub(super) struct Policy {
     #[arg(value_name = "POLICY.json")]
     learnt: PathBuf,
 
-    /// The seed whose policy is written [default: the one that did best]
-    #[arg(long = "policy-seed", value_name = "SEED", value_parser = seed)]
-    seed: Option<u64>,
+    #[command(flatten)]
+    real: Real,
 
-    /// Numbers to compute with
-    #[arg(long, value_enum, default_value_t = RealType::Float)]
-    real: RealType,
-
-    /// Write the files into this folder, which is made if it is not there
-    #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutFolder,
 }
 
 const HELP: &str = "\
@@ -43,12 +36,8 @@ scores and `saltus run --policy` runs, to the bit with --real double.";
 
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        if self.out.exists() && !self.out.is_dir() {
-            let allowed = "a folder, into which the files are written";
-            return Err(CliError::flag("--out", self.out.display(), allowed));
-        }
-        reachable_folder(&self.out)?;
-        match self.real {
+        self.out.ready()?;
+        match self.real.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
         }
@@ -56,15 +45,11 @@ impl Policy {
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let name = self.learnt.display().to_string();
-        let learned = Learned::load(&self.learnt, self.seed)?;
+        let learned = Learned::load(&self.learnt)?;
         let table = LearntTable::new(&learned.table, &learned.settings, learned.seed)
             .map_err(|error| CliError::content(&name, error))?;
-        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
-        let mut files = Files::default();
-        let header = self.out.join("saltus_policy.h");
-        files.add("--out", &header, table.c::<R>().into_bytes());
-        files.report(None, table.about.join("\n") + "\n");
-        files.write()?;
+        self.out
+            .write([("saltus_policy.h", table.c::<R>())], &table.about)?;
         Ok(Status::Done)
     }
 }

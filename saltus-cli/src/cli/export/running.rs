@@ -51,7 +51,7 @@ enum LinesKind {
 pub(super) struct RunningFlags {
     /// Write what decides on a running robot, in place of tables of jumps
     #[arg(long, value_enum, value_name = "GAIT", conflicts_with_all = ["distance", "omega", "alpha_f", "landing_height",
-        "start_lean", "valve_range", "effort", "newton", "period", "extra_delay", "tolerance", "plant",
+        "start_lean", "valve_range", "newton", "extra_delay", "tolerance", "plant",
         "plant_overrides"])]
     gait: Option<Kind>,
 

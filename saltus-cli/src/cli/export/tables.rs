@@ -1,19 +1,17 @@
 //! `saltus export c` and `saltus export rust`: firing tables for a controller.
 
-use std::path::PathBuf;
-
-use clap::{Args, ValueEnum};
+use clap::Args;
 use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
-use super::file_ready;
 use super::running::RunningFlags;
+use super::{Real, RealType};
 use crate::cli::Status;
-use crate::cli::common::{PlantFlags, RobotFlags, Threads, note_valve};
+use crate::cli::common::{OutFile, OutFolder, PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
-use crate::output::{Files, print, reachable_folder};
+use crate::output::print;
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, angles, distances, rates};
 
@@ -31,9 +29,8 @@ pub(super) struct C {
     #[command(flatten)]
     running: RunningFlags,
 
-    /// Write the files into this folder, which is made if it is not there
-    #[arg(long, short, value_name = "DIR", help_heading = "Robot and output")]
-    out: PathBuf,
+    #[command(flatten)]
+    out: OutFolder,
 }
 
 /// Write firing tables as a constant for the Rust crate saltus-controller
@@ -47,9 +44,8 @@ pub(super) struct Rust {
     #[arg(long, value_name = "NAME", value_parser = identifier, default_value = "CONTROLLER")]
     name: String,
 
-    /// Write to this file instead of standard output
-    #[arg(long, short, value_name = "FILE", help_heading = "Robot and output")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    out: OutFile,
 }
 
 const C_HELP: &str = "\
@@ -102,15 +98,6 @@ The file has one public constant, a saltus_controller::Controller<'static, f32> 
 
 The exit code is 1 if no cell can be used.";
 
-/// Which numbers a controller computes with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum RealType {
-    /// 32 bits: float, f32.
-    Float,
-    /// 64 bits: double, f64.
-    Double,
-}
-
 /// What tables hold.
 #[derive(Args, Debug)]
 struct TableFlags {
@@ -134,19 +121,10 @@ struct TableFlags {
     #[arg(long, value_name = "LOW:HIGH", value_parser = ends, allow_hyphen_values = true)]
     valve_range: Option<(f64, f64)>,
 
-    /// Cost of a squared second of open valve over an obstacle, a squared metre off the distance
-    /// costing 1 (m²/s²)
-    #[arg(long, value_name = "COST", value_parser = quantity::factor, allow_hyphen_values = true, default_value = "0.01")]
-    effort: f64,
-
     /// Newton steps on the lift-off map that refine a firing angle, 0 to 3; other landing heights
     /// need at least 1
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(0..=3), default_value = "0")]
     newton: u8,
-
-    /// Control period (s)
-    #[arg(long, value_name = "TIME", value_parser = open, allow_hyphen_values = true, default_value = "1ms")]
-    period: f64,
 
     /// By how much the valve answers later than the robot file's delay (s)
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true, default_value = "0")]
@@ -156,9 +134,8 @@ struct TableFlags {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, allow_hyphen_values = true, default_value = "2mm")]
     tolerance: f64,
 
-    /// Numbers to compute with
-    #[arg(long, value_enum, default_value_t = RealType::Float)]
-    real: RealType,
+    #[command(flatten)]
+    real: Real,
 
     #[command(flatten)]
     threads: Threads,
@@ -172,23 +149,25 @@ struct TableFlags {
 
 impl C {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        reachable_folder(&self.out)?;
-        match self.flags.real {
+        self.out.ready()?;
+        match self.flags.real.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
         }
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
-        let open = self.flags.terms.valve_open();
+        let open = self.flags.terms.valve_open;
         let threads = self.flags.threads.count().get();
         let robot = || self.flags.robot.any_robot_or("rats-twelve");
         if let Some(ball) = self.running.ball::<R>(robot, open)? {
-            return self.files(ball.files, &ball.about);
+            self.out.write(ball.files, &ball.about)?;
+            return Ok(Status::Done);
         }
         let robot = || self.flags.robot.robot_or("rats-run");
         if let Some(running) = self.running.written::<R>(robot, open, threads)? {
-            return self.files(running.files, &running.about);
+            self.out.write(running.files, &running.about)?;
+            return Ok(Status::Done);
         }
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);
@@ -198,30 +177,15 @@ impl C {
             ("saltus_controller.h", header),
             ("saltus_controller.c", source),
         ];
-        self.files(texts, &tables.about())
-    }
-
-    /// Writes the files, and prints what heads them.
-    fn files<'a>(
-        &self,
-        texts: impl IntoIterator<Item = (&'a str, String)>,
-        about: &[String],
-    ) -> Result<Status, CliError> {
-        std::fs::create_dir_all(&self.out).map_err(|error| CliError::write(&self.out, error))?;
-        let mut files = Files::default();
-        for (name, text) in texts {
-            files.add("--out", &self.out.join(name), text.into_bytes());
-        }
-        files.report(None, about.join("\n") + "\n");
-        files.write()?;
+        self.out.write(texts, &tables.about())?;
         Ok(Status::Done)
     }
 }
 
 impl Rust {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        file_ready(self.out.as_deref())?;
-        match self.flags.real {
+        self.out.ready()?;
+        match self.flags.real.real {
             RealType::Float => self.write::<f32>(),
             RealType::Double => self.write::<f64>(),
         }
@@ -231,9 +195,7 @@ impl Rust {
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);
         };
-        let mut files = Files::default();
-        files.report(self.out.as_deref(), tables.rust(&self.name));
-        files.write()?;
+        self.out.write(tables.rust(&self.name))?;
         Ok(Status::Done)
     }
 }
@@ -290,9 +252,6 @@ impl TableFlags {
                 allowed,
             ));
         }
-        if self.effort <= 0.0 {
-            return Err(CliError::flag("--effort", self.effort, "a number above 0"));
-        }
         Ok(Request {
             rates: spaced("--omega", &self.omega, 2)?,
             distances: spaced("--distance", distances, 1)?,
@@ -302,10 +261,10 @@ impl TableFlags {
             valve_open,
             valve_range: self.valve_range.filter(|_| robot.leg.drive.has_valve()),
             start_lean,
-            period: self.period,
+            period: robot.sensors.unwrap_or_default().period,
             extra_delay: self.extra_delay,
             newton_steps: self.newton,
-            effort: self.effort,
+            effort: default.effort,
             tolerance: self.tolerance,
             threads: self.threads.count().get(),
         })
@@ -364,26 +323,9 @@ fn spaced(
 }
 
 /// Parser of a flag.
-fn open(text: &str) -> Result<f64, quantity::QuantityError> {
-    Quantity::OPEN.parse(text)
-}
-
-/// Parser of a flag.
 fn ends(text: &str) -> Result<(f64, f64), String> {
-    let refused = || {
-        format!(
-            "{:?} must be two times, the lower first, as in 30ms:60ms",
-            cut(text)
-        )
-    };
-    let (low, high) = text.split_once(':').ok_or_else(refused)?;
-    let time = |text: &str| open(text).map_err(|error| error.to_string());
-    let (low, high) = (time(low)?, time(high)?);
-    if low < high {
-        Ok((low, high))
-    } else {
-        Err(refused())
-    }
+    let allowed = "two times, the lower first, as in 30ms:60ms";
+    quantity::span(text, &Quantity::OPEN, allowed)
 }
 
 /// Parser of a flag.

@@ -5,20 +5,14 @@ use std::fmt::Write as _;
 use clap::Args;
 use saltus::Robot;
 use saltus::gait::{BoxTable, Draw, Faced, Sensed, Smooth};
-use saltus::robot::{Drive, GaugePressure};
 use saltus::running::Share;
 use serde_json::{Value, json};
 
 use super::super::Status;
-use super::super::common::OutputFlags;
 use super::margin::{Margin, Passage};
 use super::{Course, ENOUGH, Jump, refused};
 use crate::error::CliError;
-use crate::output::{Files, Format, digits};
-use crate::plot::Drawing;
-use crate::plot::line::{Line, Mark};
-use crate::plot::palette::BLUE;
-use crate::plot::sheet::{Panel, Sheet};
+use crate::output::{Format, digits, in_words};
 use crate::progress::Progress;
 
 /// How the table for a sensed box is made.
@@ -36,47 +30,25 @@ pub(super) struct Learning {
     /// never [default: 2.6]
     #[arg(long, value_name = "M", value_parser = room, allow_hyphen_values = true)]
     room: Option<f64>,
-
-    /// Seek the greatest box, up to the height of --obstacle, at these supply pressures (psi)
-    #[arg(long, value_name = "FROM:TO:COUNT", value_parser = pressures, allow_hyphen_values = true)]
-    greatest: Option<Pressures>,
 }
-
-/// Supply pressures above ambient (psi), evenly spaced.
-#[derive(Clone, Debug)]
-struct Pressures(Vec<f64>);
 
 /// What is done without flags.
 const RUNS: u32 = 1500;
 const ROUNDS: u8 = 5;
 const ROOM: f64 = 2.6;
-/// From height to height (m) of the boxes among which the greatest is sought.
-const STEP: f64 = 0.02;
-/// A psi in Pa.
-const PSI: f64 = 6894.757293168;
 /// Speed (m/s) from which a robot runs on.
 const RUNS_ON: f64 = 1.0;
 
 impl Learning {
-    /// Whether one box is asked for, and not the greatest.
-    pub(super) fn finds_one(&self) -> bool {
-        self.greatest.is_none()
-    }
-
     /// Refuses the flags of a sensed box where it is not sensed.
     pub(super) fn refuse(&self) -> Result<(), CliError> {
-        for (flag, is_given) in [
+        let given = [
             ("--runs", self.runs.is_some()),
             ("--rounds", self.rounds.is_some()),
             ("--room", self.room.is_some()),
-            ("--greatest", self.greatest.is_some()),
-        ] {
-            if is_given {
-                let allowed = "used with a box that is sensed: --obstacle HEIGHTxLENGTH@FROM:TO";
-                return Err(CliError::flag(flag, "", allowed));
-            }
-        }
-        Ok(())
+        ];
+        let allowed = "used with a box that is sensed: --obstacle HEIGHTxLENGTH@FROM:TO";
+        CliError::unused(&given, allowed)
     }
 }
 
@@ -88,17 +60,13 @@ impl Jump {
         course: Course,
         fronts: [f64; 2],
     ) -> Result<Status, CliError> {
-        for (flag, is_given) in [
+        let given = [
             ("--legs", self.legs.is_some()),
-            ("--constant", self.constant),
             ("--sought-on", self.sought_on.is_some()),
             ("--generations", self.generations.is_some()),
-        ] {
-            if is_given {
-                let allowed = "used with a box at one distance: --obstacle HEIGHTxLENGTH@FRONT";
-                return Err(CliError::flag(flag, "", allowed));
-            }
-        }
+        ];
+        let allowed = "used with a box at one distance: --obstacle HEIGHTxLENGTH@FRONT";
+        CliError::unused(&given, allowed)?;
         let learning = &self.learning;
         let sensed = Sensed {
             robot: robot.clone(),
@@ -110,105 +78,28 @@ impl Jump {
             law: Smooth::QUICK,
             runs: learning.runs.unwrap_or(RUNS) as usize,
             rounds: usize::from(learning.rounds.unwrap_or(ROUNDS)),
-            seed: self.seed,
+            seed: self.seed.seed,
         };
-        match &learning.greatest {
-            None => self.one_height(&sensed),
-            Some(pressures) => self.greatest(&sensed, &pressures.0),
-        }
-    }
-
-    fn one_height(&self, sensed: &Sensed) -> Result<Status, CliError> {
-        let tables = self.learn(sensed, &Progress::new("rounds", sensed.rounds))?;
-        let tried = self.tried(sensed, &tables[0])?;
+        let threads = self.threads.count().get();
+        let refused = |error| refused(error, robot);
+        let progress = Progress::new("rounds", sensed.rounds);
+        let tables = sensed.plan(threads, |_| progress.advance(1));
+        drop(progress);
+        let tables = tables.map_err(refused)?;
+        // Other robots than those of the table.
+        let seed = self.seed.seed.wrapping_add(1 << 32);
+        let tried = sensed.try_on(&tables[0], usize::from(self.robots), seed, threads);
         let answer = Answer {
-            sensed,
+            sensed: &sensed,
             table: &tables[0],
-            tried: &tried,
+            tried: &tried.map_err(refused)?,
         };
         let report = match self.output.format() {
-            Format::Json => format!("{:#}\n", answer.json(self.seed)),
+            Format::Json => format!("{:#}\n", answer.json(self.seed.seed)),
             _ => answer.text(),
         };
         self.output.write_report(report)?;
         Ok(answer.status())
-    }
-
-    fn learn(&self, sensed: &Sensed, progress: &Progress) -> Result<Vec<BoxTable>, CliError> {
-        let threads = self.threads.count().get();
-        let tables = sensed.plan(threads, |_| progress.advance(1));
-        tables.map_err(|error| refused(error, &sensed.robot))
-    }
-
-    /// Other robots than those of the table try it.
-    fn tried(&self, sensed: &Sensed, table: &BoxTable) -> Result<Vec<Faced>, CliError> {
-        let seed = self.seed.wrapping_add(1 << 32);
-        let threads = self.threads.count().get();
-        let tried = sensed.try_on(table, usize::from(self.robots), seed, threads);
-        tried.map_err(|error| refused(error, &sensed.robot))
-    }
-
-    /// The greatest box at each of `pressures` (psi).
-    fn greatest(&self, sensed: &Sensed, pressures: &[f64]) -> Result<Status, CliError> {
-        let mut sensed = sensed.clone();
-        let most = sensed.heights[0];
-        let mut heights = vec![most];
-        while heights.last().is_some_and(|last| last - STEP > 0.5 * STEP) {
-            heights.push(most - heights.len() as f64 * STEP);
-        }
-        heights.reverse();
-        sensed.heights = heights;
-        let progress = Progress::new("rounds", sensed.rounds * pressures.len());
-        let mut found = Vec::new();
-        for psi in pressures {
-            if let Drive::Pneumatic(cylinder) = &mut sensed.robot.leg.drive {
-                cylinder.supply = GaugePressure(psi * PSI);
-            }
-            let tables = self.learn(&sensed, &progress)?;
-            found.push((*psi, self.among(&sensed, &tables)?));
-        }
-        drop(progress);
-        let answer = Greatest {
-            sensed: &sensed,
-            found: &found,
-        };
-        let mut files = Files::default();
-        let report = match self.output.format() {
-            Format::Json => format!("{:#}\n", answer.json(self.seed)),
-            _ => answer.text(),
-        };
-        files.report(OutputFlags::out(&self.output), report);
-        self.plot.add_to(&mut files, || Ok(answer.drawing()))?;
-        files.write()?;
-        Ok(if found.iter().all(|(_, best)| best.is_some()) {
-            Status::Done
-        } else {
-            Status::No
-        })
-    }
-
-    /// Among tables of rising heights the last that enough robots clear: its height (m) and their
-    /// share. Shares are taken to fall with the height, so that half of the rest is looked at each
-    /// time.
-    fn among(
-        &self,
-        sensed: &Sensed,
-        tables: &[BoxTable],
-    ) -> Result<Option<(f64, Share)>, CliError> {
-        let (mut low, mut high) = (0, tables.len());
-        let mut best = None;
-        while low < high {
-            let middle = usize::midpoint(low, high);
-            let table = &tables[middle];
-            let share = share(&self.tried(sensed, table)?);
-            if share.value() >= ENOUGH {
-                best = Some((table.height, share));
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        Ok(best)
     }
 }
 
@@ -217,16 +108,6 @@ fn share(tried: &[Faced]) -> Share {
         count: tried.iter().filter(|faced| faced.cleared).count(),
         of: tried.len(),
     }
-}
-
-/// A share with its interval, as a sentence has it.
-fn said(share: Share) -> String {
-    let [low, high] = share.interval().map(|x| digits(100.0 * x, 3));
-    let value = digits(100.0 * share.value(), 3);
-    format!(
-        "{} of {}, {value} % (95 %: {low} to {high} %)",
-        share.count, share.of
-    )
 }
 
 /// What came of one height.
@@ -238,11 +119,7 @@ struct Answer<'a> {
 
 impl Answer<'_> {
     fn status(&self) -> Status {
-        if share(self.tried).value() >= ENOUGH {
-            Status::Done
-        } else {
-            Status::No
-        }
+        Status::of(share(self.tried).value() >= ENOUGH)
     }
 
     /// Of those that cleared it, how many run on.
@@ -288,13 +165,17 @@ impl Answer<'_> {
                 short(sensed.room)
             );
         }
-        let _ = writeln!(text, "  cleared            {}", said(share(self.tried)));
+        let _ = writeln!(
+            text,
+            "  cleared            {}",
+            in_words(&share(self.tried))
+        );
         let on = self.on();
         if on.of > 0 {
             let _ = writeln!(
                 text,
                 "  run on             {} of these, over {RUNS_ON} m/s 3 s later",
-                said(on)
+                in_words(&on)
             );
         }
         text += &self
@@ -327,111 +208,10 @@ impl Answer<'_> {
     }
 }
 
-/// The greatest boxes by supply pressure.
-struct Greatest<'a> {
-    sensed: &'a Sensed,
-    found: &'a [(f64, Option<(f64, Share)>)],
-}
-
-impl Greatest<'_> {
-    fn text(&self) -> String {
-        let [from, to] = self.sensed.fronts.map(|x| digits(x, 4));
-        let lowest = digits(self.sensed.heights[0], 3);
-        let mut text = format!(
-            "{}: the greatest box that 95 % clear, {} m long, its front {from} to {to} m from the axle \
-             at rest\n",
-            self.sensed.robot.name,
-            digits(self.sensed.length, 4),
-        );
-        for (psi, best) in self.found {
-            let said = best.map_or_else(
-                || format!("none of {lowest} m or more"),
-                |(height, share)| format!("{} m, {}", digits(height, 3), said(share)),
-            );
-            let _ = writeln!(text, "  {:<18} {said}", format!("{} psi", digits(*psi, 4)));
-        }
-        text
-    }
-
-    fn json(&self, seed: u64) -> Value {
-        let row = |(psi, best): &(f64, Option<(f64, Share)>)| {
-            json!({
-                "supply_pressure_gauge_psi": psi,
-                "height_m": best.map(|(height, _)| height),
-                "cleared": best.map(|(_, share)| share.count),
-                "cleared_share_95": best.map(|(_, share)| share.interval()),
-            })
-        };
-        json!({
-            "command": "jump",
-            "robot": self.sensed.robot.name,
-            "length_m": self.sensed.length,
-            "fronts_m": self.sensed.fronts,
-            "greatest": self.found.iter().map(row).collect::<Vec<_>>(),
-            "seed": seed,
-        })
-    }
-
-    fn drawing(&self) -> Drawing {
-        let point = |(psi, best): &(f64, Option<(f64, Share)>)| {
-            (*psi, best.map_or(0.0, |(height, _)| height))
-        };
-        let ends = |at: Option<&(f64, _)>| at.map_or(0.0, |(psi, _)| *psi);
-        let reach = [ends(self.found.first()), ends(self.found.last())];
-        let high = self.sensed.heights.last().copied().unwrap_or(0.0);
-        Drawing::Sheet(Sheet {
-            title: format!(
-                "{}: the greatest box that 95 % of the drawn robots clear",
-                self.sensed.robot.name
-            ),
-            course: None,
-            panels: vec![Panel {
-                title: format!("Boxes {} m long", digits(self.sensed.length, 4)),
-                x: "supply pressure (psi)",
-                y: "height (m)",
-                lines: vec![Line {
-                    label: None,
-                    points: self.found.iter().map(point).collect(),
-                    color: BLUE,
-                    mark: Mark::Solid,
-                }],
-                least: Some([reach, [0.0, high]]),
-            }],
-        })
-    }
-}
-
 /// Parser of a flag.
 fn room(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches('m').parse::<f64>().ok();
     number
         .filter(|x| (0.0..=5.0).contains(x))
         .ok_or_else(|| "must be from 0 to 5 m".to_owned())
-}
-
-/// Parser of a flag.
-fn pressures(text: &str) -> Result<Pressures, String> {
-    let said =
-        || "must be FROM:TO:COUNT in psi, from 20 to 400 psi, at most 50, as 80:200:7".to_owned();
-    let parts: Vec<&str> = text.split(':').collect();
-    let [from, to, count] = parts[..] else {
-        return Err(said());
-    };
-    let psi = |text: &str| {
-        let number = text.trim().parse::<f64>().ok();
-        number
-            .filter(|x| (20.0..=400.0).contains(x))
-            .ok_or_else(said)
-    };
-    let (from, to) = (psi(from)?, psi(to)?);
-    let count = count.trim().parse::<u8>().ok();
-    let count = count
-        .filter(|count| (1..=50).contains(count))
-        .ok_or_else(said)?;
-    if to < from || (count == 1 && to > from) {
-        return Err(said());
-    }
-    let steps = f64::from(count.saturating_sub(1).max(1));
-    let at = |k: u8| from + (to - from) * f64::from(k) / steps;
-    Ok(Pressures((0..count).map(at).collect()))
 }

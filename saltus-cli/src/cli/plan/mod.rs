@@ -9,28 +9,38 @@ use std::path::PathBuf;
 use clap::Args;
 use saltus::Robot;
 use saltus::on_plant::{Crossed, OnPlant, for_crossing};
+use saltus::planner::CrossingAnswer;
 use saltus::planner::course::Standing;
-use saltus::planner::{Crossing, CrossingAnswer};
 use saltus::robot::Errors;
 use saltus::robust::{self, Robust};
-use saltus::verify::{Starts, Verification};
+use saltus::verify::Verification;
 
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption, Threads};
+use super::common::{Common, ErrorFlags, PlantFlags};
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Format, digits};
 use crate::plot::Drawing;
 use crate::progress::Progress;
-use crate::quantity::Quantity;
-use crate::range::{Values, frictions};
 
 use report::{Hold, Report};
 
 /// Plan firing angles and valve times for a course of obstacles
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus plan --help` explains the files.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus plan --help` explains the files.",
+    after_long_help = LONG_HELP,
+    mut_arg("share", |share| share.help("Plan with margins by which this share of jumps with errors drawn holds in the multi-body simulation, as in 0.95")),
+    mut_arg("samples", |samples| {
+        samples
+            .requires("share")
+            .value_parser(clap::value_parser!(u32).range(20..=100_000))
+            .help("Runs with errors drawn from the robot's [errors], three times: to find margins, to choose them, and to count [default: 200]")
+    }),
+    mut_arg("seed", |seed| seed.requires("share")),
+    mut_arg("friction", |friction| friction.requires("share"))
+)]
 pub(crate) struct Plan {
     /// TOML file with the course
     #[arg(value_name = "COURSE.toml")]
@@ -40,68 +50,16 @@ pub(crate) struct Plan {
     plant: PlantFlags,
 
     #[command(flatten)]
-    hold: HoldFlags,
-
-    #[command(flatten)]
-    plot: PlotOption,
+    errors: ErrorFlags,
 
     #[command(flatten)]
     common: Common,
-}
-
-/// How often a plan has to hold.
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Errors")]
-struct HoldFlags {
-    /// Plan with margins by which this share of jumps with errors drawn holds in the multi-body
-    /// simulation, as in 0.95
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    share: Option<f64>,
-
-    /// Runs with errors drawn from the robot's [errors], three times: to find margins, to choose
-    /// them, and to count
-    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000), requires = "share")]
-    samples: u32,
-
-    /// Seed of the drawn errors
-    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "share")]
-    seed: u64,
-
-    /// Friction coefficients of the ground, which take turns [default: the robot's own]
-    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, requires = "share")]
-    friction: Option<Values>,
-
-    /// No foot may slip on any of these grounds, nor on the robot's own
-    #[arg(long, requires = "share")]
-    no_slip: bool,
-
-    #[command(flatten)]
-    threads: Threads,
-}
-
-impl HoldFlags {
-    /// The runs that have to hold, where a share is asked for.
-    fn runs(&self) -> Option<Verification> {
-        let ground = self.friction.as_ref();
-        Some(Verification {
-            samples: self.samples as usize,
-            scatter: 1.0,
-            seed: self.seed,
-            frictions: ground.map_or(vec![None], |them| them.iter().copied().map(Some).collect()),
-            starts: Starts::Chained,
-            tolerance: f64::INFINITY,
-            clearance: None,
-            share: self.share?,
-            threads: self.threads.count().get(),
-        })
-    }
 }
 
 const LONG_HELP: &str = "\
 Examples:
   saltus plan box.toml
   saltus plan box.toml --plant rats-boom --share 0.95 --friction 0.5:1:6
-  saltus plan box.toml --plant rats-boom --share 0.95 --friction 0.5 --no-slip
   saltus plan box.toml --set leg.supply_pressure_gauge_psi=140 --out plan.json --plot plan.svg
 
 A course, here one jump over a low box:
@@ -143,8 +101,7 @@ says where it lands on each. margin_sigmas counts no more: the simulated scatter
 friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how \
 often the plan holds; it is enough if that is at most two binomial standard deviations below the share. \
 Where the share cannot be had, the answer is the plan that holds most often, and what blocks greater \
-margins. A foot may slip where --friction lets it; with --no-slip it may not: no stance may need more than \
-the least of these coefficients.
+margins. A foot may slip where --friction lets it; with friction_coefficient in the course no stance may need more.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
@@ -168,24 +125,20 @@ The exit code is 1 unless there is a plan that holds in the planar model (with -
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
-        let (robot, plant) = match self.hold.share {
+        self.common.ready()?;
+        let (robot, plant) = match self.errors.share {
             Some(_) => {
-                let (robot, plant) = self.plant.always(self.common.robot_flags())?;
+                let (robot, plant) = self.plant.always(&self.common.robot)?;
                 (robot, Some(plant))
             }
-            None => self.plant.on_plant(self.common.robot_flags())?,
+            None => self.plant.on_plant(&self.common.robot)?,
         };
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
-        let runs = self.hold.runs();
-        let (plant, crossing, runs) = match (plant, runs) {
-            (Some(plant), Some(runs)) if self.hold.no_slip => {
-                let (plant, crossing, runs) = without_slip(&robot, &plant, &crossing, &runs)?;
-                (Some(plant), crossing, Some(runs))
-            }
-            (plant, runs) => (plant, crossing, runs),
-        };
+        let runs = self.errors.share.map(|share| Verification {
+            tolerance: f64::INFINITY,
+            ..self.errors.verification(200, share)
+        });
         let interrupt = Interrupt::listen()?;
         let crossed = {
             let progress = Progress::new("plan", 0);
@@ -235,7 +188,7 @@ impl Plan {
                 &answer, &crossing, &planner, &file,
             )))
         };
-        self.common.write_with_plot(report, &self.plot, drawing)?;
+        self.common.write(report, drawing)?;
         match answer {
             CrossingAnswer::Plan(plan) if plan.holds() && is_enough && !interrupt.came() => {
                 Ok(Status::Done)
@@ -243,25 +196,6 @@ impl Plan {
             _ => Ok(Status::No),
         }
     }
-}
-
-/// Plant, course and runs of a plan whose feet may not slip.
-fn without_slip(
-    robot: &Robot,
-    plant: &OnPlant,
-    crossing: &Crossing,
-    runs: &Verification,
-) -> Result<(OnPlant, Crossing, Verification), CliError> {
-    robust::without_slip(robot, plant, crossing, runs)
-        .map_err(|error| CliError::content(&plant.robot().name, error))?
-        .ok_or_else(|| {
-            CliError::flag(
-                "--no-slip",
-                "",
-                "given with the friction of the ground: --friction 0.5, friction_coefficient in \
-                 the course, or ground.static_friction of the robot",
-            )
-        })
 }
 
 /// The best plan, and how often it holds; without a plan the answer that says why.
@@ -281,20 +215,6 @@ fn held(robust: Robust, runs: &Verification, plant: &Robot) -> (Crossed, Option<
             (held.crossed, Some(hold))
         }
         Robust::None(crossed) => (crossed, None),
-    }
-}
-
-/// Parser of a flag.
-fn share(text: &str) -> Result<f64, String> {
-    let share = Quantity::FACTOR
-        .parse(text)
-        .map_err(|error| error.to_string())?;
-    if share < 1.0 {
-        Ok(share)
-    } else {
-        Err(format!(
-            "{share} must be a share from 0 to below 1, as in 0.95"
-        ))
     }
 }
 

@@ -8,42 +8,45 @@ use saltus::robust::Margins;
 use saltus::verify::Demand;
 use serde_json::{Value, json};
 
-use crate::cli::common::shown;
+use crate::cli::common::opening;
 use crate::cli::limits;
-use crate::output::{self, Cell, Table, digits};
+use crate::output::{self, Column, Table, columns, digits};
 
-const COLUMNS: &[&str] = &[
-    "jump",
-    "omega_rad_s",
-    "phi0_rad",
-    "alpha_f_rad",
-    "valve_open_s",
-    "foot_x_m",
-    "foot_y_m",
-    "apex_m",
-    "land_x_m",
-    "land_y_m",
-    "land_sd_m",
-    "target_x_m",
-    "off_target_m",
-    "friction_needed",
-    "holds",
-];
+/// A jump of a plan, and its number from 0.
+struct Row<'a> {
+    plan: &'a Plan,
+    i: usize,
+    planned: &'a PlannedJump,
+    /// Where the last one is to land (m).
+    target: Option<f64>,
+    robot: &'a Robot,
+}
 
-const SHOWN: &[(&str, &str, &str)] = &[
-    ("jump", "jump", ""),
-    ("omega_rad_s", "ω", "rad/s"),
-    ("alpha_f_rad", "α_f", "rad"),
-    ("valve_open_s", "valve open", "s"),
-    ("foot_x_m", "foot", "m"),
-    ("apex_m", "apex", "m"),
-    ("land_x_m", "landing", "m"),
-    ("land_y_m", "at height", "m"),
-    ("land_sd_m", "± landing", "m"),
-    ("off_target_m", "off target", "m"),
-    ("friction_needed", "friction", "needed"),
-    ("holds", "holds", ""),
-];
+fn columns<'a>() -> [Column<Row<'a>>; 15] {
+    columns! {
+        "jump", "jump", |row| row.i + 1;
+        "omega_rad_s", "ω", |row| row.planned.jump.launch.rate;
+        "phi0_rad", "", |row| row.planned.jump.launch.lean;
+        "alpha_f_rad", "α_f", |row| row.planned.jump.launch.firing_angle;
+        "valve_open_s", "valve open", |row| opening(row.robot, &row.planned.jump.launch);
+        "foot_x_m", "foot", |row| row.planned.foot[0];
+        "foot_y_m", "", |row| row.planned.foot[1];
+        "apex_m", "apex", |row| row.planned.jump.apex().map(|apex| row.planned.foot[1] + apex);
+        "land_x_m", "landing", |row| row.planned.landing[0];
+        "land_y_m", "at height", |row| row.planned.landing[1];
+        "land_sd_m", "± landing", |row| Some(row.planned.deviation).filter(|d| *d > 0.0);
+        "target_x_m", "", |row| row.target;
+        "off_target_m", "off target", |row| {
+            let off = row.target.map(|target| row.planned.landing[0] - target);
+            off.map(|off| if off.abs() < ROUND_OFF { 0.0 } else { off })
+        };
+        "friction_needed", "friction|needed", |row| row.planned.friction_needed;
+        "holds", "holds", |row| {
+            let mut checks = row.plan.checks.iter().filter(|check| check.jump == row.i);
+            checks.all(Check::holds)
+        };
+    }
+}
 
 /// A distance (m) below this is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -180,14 +183,24 @@ impl Hold {
 impl Report<'_> {
     /// One row for each jump; none without a plan.
     pub(super) fn table(&self, robot: &Robot) -> Table {
-        let mut table = Table::new(COLUMNS);
-        if let CrossingAnswer::Plan(plan) = self.answer {
-            for (i, jump) in plan.jumps.iter().enumerate() {
-                let target = Some(self.crossing.target).filter(|_| i + 1 == plan.jumps.len());
-                table.push(row(i, jump, target, &plan.checks, robot));
-            }
-        }
-        table
+        let plan = match self.answer {
+            CrossingAnswer::Plan(plan) => Some(plan),
+            _ => None,
+        };
+        let row = |plan, (i, planned)| Row {
+            plan,
+            i,
+            planned,
+            target: Some(self.crossing.target).filter(|_| i + 1 == plan.jumps.len()),
+            robot,
+        };
+        let rows = plan.into_iter().flat_map(|plan: &Plan| {
+            plan.jumps
+                .iter()
+                .enumerate()
+                .map(move |jump| row(plan, jump))
+        });
+        Table::of(&columns(), rows)
     }
 
     fn status(&self) -> (&'static str, String) {
@@ -305,7 +318,7 @@ impl Report<'_> {
         let title = title + &self.correction_text() + &hold;
         let body = match self.answer {
             CrossingAnswer::Plan(plan) => {
-                self.table(robot).text(&shown(SHOWN, robot))
+                self.table(robot).text()
                     + &self.target_text(plan)
                     + &self.search_text(plan)
                     + &checks_text(plan)
@@ -418,49 +431,6 @@ pub(super) fn off_target(landing: f64, target: f64) -> String {
         1e3 * off.abs(),
         digits(target, 4)
     )
-}
-
-fn row(
-    i: usize,
-    planned: &PlannedJump,
-    target: Option<f64>,
-    checks: &[Check],
-    robot: &Robot,
-) -> Vec<Cell> {
-    let launch = &planned.jump.launch;
-    let holds = checks
-        .iter()
-        .filter(|check| check.jump == i)
-        .all(Check::holds);
-    let mut row = vec![Cell::Count(i + 1)];
-    row.extend([launch.rate, launch.lean, launch.firing_angle].map(Cell::from));
-    row.push(
-        robot
-            .leg
-            .drive
-            .has_valve()
-            .then_some(launch.valve_open)
-            .into(),
-    );
-    row.extend(planned.foot.map(Cell::from));
-    row.push(
-        planned
-            .jump
-            .apex()
-            .map(|apex| planned.foot[1] + apex)
-            .into(),
-    );
-    row.extend(planned.landing.map(Cell::from));
-    row.push(Some(planned.deviation).filter(|d| *d > 0.0).into());
-    row.push(target.into());
-    let off = target.map(|target| planned.landing[0] - target);
-    row.push(
-        off.map(|off| if off.abs() < ROUND_OFF { 0.0 } else { off })
-            .into(),
-    );
-    row.push(planned.friction_needed.into());
-    row.push(Cell::Flag(holds));
-    row
 }
 
 /// Numbers that are not finite, no limit among them, are null.

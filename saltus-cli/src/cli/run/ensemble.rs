@@ -1,7 +1,7 @@
 //! Many drawn robots, each run.
 
 use saltus::gait::{Draw, Ending, Ensemble, GaitError, Setup, Summary, drawn_robot};
-use saltus::running::{RUNS_FROM, Share, Together, each};
+use saltus::running::{RUNS_FROM, Together, each};
 use serde_json::{Value, json};
 
 use super::Run;
@@ -11,7 +11,7 @@ use crate::cli::Status;
 use crate::cli::disturb::Typed;
 use crate::cli::refused::refused;
 use crate::error::CliError;
-use crate::output::{self, Cell, Files, Format, Table, digits};
+use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
 use crate::progress::Progress;
 
 const COLUMNS: &[&str] = &[
@@ -289,28 +289,4 @@ impl Many<'_> {
         let head = head(setup, self.chosen, self.disturbances);
         Ok(output::json(&joined([head, answer])))
     }
-}
-
-/// A share as JSON has it.
-pub(crate) fn share(share: &Share) -> Value {
-    let known = (share.of > 0).then(|| share.value());
-    json!({ "count": share.count, "of": share.of, "share": known, "interval_95": share.interval() })
-}
-
-/// A share in words.
-pub(crate) fn in_words(share: &Share) -> String {
-    let percent = |x: f64| digits(100.0 * x, 3);
-    let [low, high] = share.interval();
-    format!(
-        "{} of {}, {} % (95 %: {} to {} %)",
-        share.count,
-        share.of,
-        if share.of == 0 {
-            "–".into()
-        } else {
-            percent(share.value())
-        },
-        percent(low),
-        percent(high)
-    )
 }

@@ -12,7 +12,6 @@ use saltus::numeric::parallel::available;
 use super::values::{
     Knots, Speeds, Taps, knots, rate, shift, slope, speeds, steepness, taps, top_rate,
 };
-use crate::cli::common::seed;
 use crate::cli::learned::Learned;
 use crate::cli::refused::refused;
 use crate::error::CliError;
@@ -144,10 +143,6 @@ pub(super) struct GaitFlags {
     /// What `saltus learn --out` wrote, in place of a gait: its best seed runs, on its robot where --robot names no other
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["gait", "zone", "taps", "direction", "valve_open"])]
     pub(super) policy: Option<PathBuf>,
-
-    /// The seed of the policy that runs [default: the one that did best]
-    #[arg(long, value_name = "SEED", requires = "policy", value_parser = seed)]
-    pub(super) policy_seed: Option<u64>,
 
     /// Firing angle α_f (rad) of `fixed` [default: 0.1]
     #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -342,8 +337,7 @@ impl GaitFlags {
 
     /// What was learnt, where that is to run.
     pub(super) fn learned(&self) -> Result<Option<Learned>, CliError> {
-        let load = |path: &PathBuf| Learned::load(path, self.policy_seed);
-        self.policy.as_ref().map(load).transpose()
+        self.policy.as_deref().map(Learned::load).transpose()
     }
 
     /// The flags that only some gaits have: which, what was given, which gaits.

@@ -15,30 +15,10 @@ const LIMIT_MIB: u64 = 256;
 
 /// The columns that are read, and what they hold.
 const COLUMNS: [Column; 4] = [
-    Column {
-        name: "omega0_rad_s",
-        others: &["omega_rad_s"],
-        quantity: Quantity::RATE,
-        need: Need::Value,
-    },
-    Column {
-        name: "phi0_rad",
-        others: &["start_lean_rad"],
-        quantity: Quantity::ANGLE,
-        need: Need::Column,
-    },
-    Column {
-        name: "alpha_f_rad",
-        others: &[],
-        quantity: Quantity::ANGLE,
-        need: Need::Column,
-    },
-    Column {
-        name: "valve_open_s",
-        others: &[],
-        quantity: Quantity::TIME,
-        need: Need::Column,
-    },
+    Column::new("omega0_rad_s", Quantity::RATE, Need::Value).or(&["omega_rad_s"]),
+    Column::new("phi0_rad", Quantity::ANGLE, Need::Column).or(&["start_lean_rad"]),
+    Column::new("alpha_f_rad", Quantity::ANGLE, Need::Column),
+    Column::new("valve_open_s", Quantity::TIME, Need::Column),
 ];
 
 /// The launches in the file at `path`, each with its line.

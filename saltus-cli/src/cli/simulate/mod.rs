@@ -13,7 +13,7 @@ use saltus::lagrangian::{Batch, FINE};
 use saltus::{Launch, Robot, StanceError};
 
 use super::Status;
-use super::common::{Common, PlotOption, Threads, note_valve};
+use super::common::{Common, Threads, note_valve};
 use super::recorded::{Beside, McapOption};
 use super::terms::{StartLean, VALVE_OPEN, start_lean};
 use crate::error::CliError;
@@ -61,9 +61,6 @@ pub(crate) struct Simulate {
     mcap: McapOption,
 
     #[command(flatten)]
-    plot: PlotOption,
-
-    #[command(flatten)]
     common: Common,
 }
 
@@ -103,12 +100,12 @@ A jump that does not take off is an answer: the exit code is 0.";
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         self.mcap.ready()?;
-        let robot = self.common.planned_robot()?;
+        let robot = self.common.robot.planned_robot()?;
         note_valve(&robot, self.valve_open.as_ref().map(|_| "--valve-open"));
         let (launches, lines) = self.launches(&robot)?;
-        let drawn = self.plot.is_set();
+        let drawn = self.common.plot.is_set();
         if drawn && launches.len() > MOST_DRAWN {
             let allowed = format!(
                 "used with {MOST_DRAWN} jumps at most, not {}",
@@ -140,7 +137,7 @@ impl Simulate {
         };
         let drawing = || Ok(Drawing::Trajectories(family::family(&answers, &robot)));
         let mcap = self.recorded(&answers, &robot)?;
-        self.common.write_with(report, &self.plot, drawing, mcap)?;
+        self.common.write_with(report, drawing, mcap)?;
         Ok(Status::Done)
     }
 

@@ -1,81 +1,48 @@
 //! Jumps as rows and as JSON.
 
-use saltus::Robot;
+use saltus::{LiftOff, Robot};
 use serde_json::{Map, Value, json};
 
 use super::compute::{Answer, Bearing};
-use crate::output::{self, Cell, Table};
+use crate::cli::common::opening;
+use crate::output::{self, Column, Table, columns};
 
-/// The columns of the reference file.
-const COLUMNS: &[&str] = &[
-    "omega0_rad_s",
-    "phi0_rad",
-    "alpha_f_rad",
-    "valve_open_s",
-    "outcome",
-    "t_fire_s",
-    "t_liftoff_s",
-    "phi_rad",
-    "omega_rad_s",
-    "d_m",
-    "d_dot_m_s",
-    "pressure_pa",
-    "x_m",
-    "y_m",
-    "vx_m_s",
-    "vy_m_s",
-    "apex_m",
-    "land_rs_m",
-    "land_0_m",
-];
-
-/// One row for each jump.
+/// One row for each jump, with the columns of the reference file.
 pub(super) fn table(answers: &[Answer], robot: &Robot) -> Table {
-    let mut table = Table::new(COLUMNS);
-    for answer in answers {
-        table.push(row(answer, robot));
-    }
-    table
+    Table::of(&columns(), answers.iter().map(|answer| (answer, robot)))
 }
 
-fn row(answer: &Answer, robot: &Robot) -> Vec<Cell> {
-    let (launch, end, flight) = (
-        &answer.jump.launch,
-        &answer.jump.stance,
-        answer.jump.exact_flight(),
-    );
-    let [x, y] = end.axle;
-    let [vx, vy] = flight.map_or(end.axle_rates, |flight| {
-        [flight.vacuum.vx, flight.vacuum.vy]
-    });
-    let mut row: Vec<Cell> = [launch.rate, launch.lean, launch.firing_angle]
-        .map(Cell::from)
-        .into();
-    row.push(
-        robot
-            .leg
-            .drive
-            .has_valve()
-            .then_some(launch.valve_open)
-            .into(),
-    );
-    row.extend([Cell::Word(end.outcome.name()), Cell::from(end.time_fire)]);
-    let motion = [
-        end.time,
-        end.lean,
-        end.rate,
-        end.extension,
-        end.extension_rate,
-        end.pressure,
-        x,
-        y,
-        vx,
-        vy,
-    ];
-    row.extend(motion.map(|number| Cell::from(flight.map(|_| number))));
-    row.push(Cell::from(answer.jump.apex()));
-    row.extend([robot.body.radius, 0.0].map(|height| Cell::from(answer.jump.distance(height))));
-    row
+/// A jump, and the robot that makes it.
+type Row<'a> = (&'a Answer, &'a Robot);
+
+fn columns<'a>() -> [Column<Row<'a>>; 19] {
+    columns! {
+        "omega0_rad_s", "ω₀", |(it, _)| it.jump.launch.rate;
+        "phi0_rad", "φ₀", |(it, _)| it.jump.launch.lean;
+        "alpha_f_rad", "α_f", |(it, _)| it.jump.launch.firing_angle;
+        "valve_open_s", "valve open", |(it, robot)| opening(robot, &it.jump.launch);
+        "outcome", "outcome", |(it, _)| it.jump.stance.outcome.name();
+        "t_fire_s", "", |(it, _)| it.jump.stance.time_fire;
+        "t_liftoff_s", "lift-off", |row| in_flight(row, |end| end.time);
+        "phi_rad", "", |row| in_flight(row, |end| end.lean);
+        "omega_rad_s", "", |row| in_flight(row, |end| end.rate);
+        "d_m", "", |row| in_flight(row, |end| end.extension);
+        "d_dot_m_s", "", |row| in_flight(row, |end| end.extension_rate);
+        "pressure_pa", "", |row| in_flight(row, |end| end.pressure);
+        "x_m", "", |row| in_flight(row, |end| end.axle[0]);
+        "y_m", "", |row| in_flight(row, |end| end.axle[1]);
+        "vx_m_s", "", |(it, _)| it.jump.exact_flight().map(|flight| flight.vacuum.vx);
+        "vy_m_s", "", |(it, _)| it.jump.exact_flight().map(|flight| flight.vacuum.vy);
+        "apex_m", "apex", |(it, _)| it.jump.apex();
+        "land_rs_m", "landing at r_s", |(it, robot)| it.jump.distance(robot.body.radius);
+        "land_0_m", "landing at 0", |(it, _)| it.jump.distance(0.0);
+    }
+}
+
+/// A number of the lift-off, if the robot takes off.
+fn in_flight((answer, _): &Row<'_>, of: fn(&LiftOff) -> f64) -> Option<f64> {
+    let flight = answer.jump.exact_flight();
+    flight.map(|_| of(&answer.jump.stance))
 }
 
 /// The document.

@@ -4,33 +4,18 @@ use saltus::{Flight, FlightError, Jump, Outcome, Robot};
 
 use super::compute::{Answer, Bearing};
 use super::report::table;
-use crate::cli::common::shown;
 use crate::output::digits;
-
-/// What people see of many jumps: column, title, unit.
-const SHOWN: &[(&str, &str, &str)] = &[
-    ("omega0_rad_s", "ω₀", "rad/s"),
-    ("phi0_rad", "φ₀", "rad"),
-    ("alpha_f_rad", "α_f", "rad"),
-    ("valve_open_s", "valve open", "s"),
-    ("outcome", "outcome", ""),
-    ("t_liftoff_s", "lift-off", "s"),
-    ("apex_m", "apex", "m"),
-    ("land_rs_m", "landing at r_s", "m"),
-    ("land_0_m", "landing at 0", "m"),
-];
 
 /// Few jumps in full, many as a table.
 pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
     if let [answer] = answers {
         return one(answer, robot);
     }
-    let shown = shown(SHOWN, robot);
     format!(
         "{}: {} jumps\n{}",
         robot.name,
         answers.len(),
-        table(answers, robot).text(&shown)
+        table(answers, robot).text()
     )
 }
 

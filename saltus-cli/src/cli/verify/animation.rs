@@ -62,10 +62,7 @@ pub(super) fn record(
 }
 
 /// The page. What could not be simulated is not shown.
-pub(in crate::cli) fn html(
-    outcomes: &[Outcome],
-    context: &Context<'_>,
-) -> Result<String, SimError> {
+pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String, SimError> {
     let mut jumps = Vec::new();
     for outcome in chosen(outcomes, context) {
         run(outcome, context, &mut jumps)?;

@@ -1,11 +1,9 @@
 //! `saltus verify`: plans, laws and tables in the multi-body simulation.
 
 mod advice;
-pub(super) mod animation;
-pub(super) mod context;
+mod animation;
+mod context;
 mod drawing;
-mod load;
-mod loaded;
 mod report;
 mod subject;
 mod table_file;
@@ -14,22 +12,25 @@ use std::path::PathBuf;
 
 use clap::Args;
 use saltus::on_plant::PlantError;
-use saltus::sim_check::Stepping;
-use saltus::verify::{Outcome, Plant, Starts, Trial, Verdict, Verification};
+use saltus::verify::{Outcome, Plant, Starts, Verdict, Verification};
 
 use self::subject::SubjectFlags;
 use super::Status;
-use super::common::{Common, PlantFlags, PlotOption, Threads, page_file};
+use super::common::{Common, ErrorFlags, PlantFlags, page_file};
 use super::recorded::{Beside, McapOption};
 use crate::error::CliError;
 use crate::output::{Format, reachable};
 use crate::progress::Progress;
-use crate::quantity::{self, Quantity};
-use crate::range::{Values, frictions};
+use crate::quantity;
 
 /// Verify a plan, a law or a table in the multi-body simulation, with foot slip
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus verify --help` explains the output.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus verify --help` explains the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("share", |share| share.help("Share of the runs with drawn errors that have to pass; with --correct the plan has margins for it [default: 0.9, without margins]")),
+    mut_arg("samples", |samples| samples.help("Runs with errors drawn from the robot's [errors], beside those without: a run is all jumps of a course, or one jump of a law or a table [default: 100]"))
+)]
 pub(crate) struct Verify {
     #[command(flatten)]
     subject: SubjectFlags,
@@ -37,33 +38,10 @@ pub(crate) struct Verify {
     #[command(flatten)]
     plant: PlantFlags,
 
-    /// Friction coefficients of the ground along the travel [default: the robot's own]
-    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions, help_heading = "The robot that jumps")]
-    friction: Option<Values>,
-
     /// Start each jump of a course at its planned foothold, in place of where the jump before it
     /// landed
     #[arg(long, help_heading = "What is verified")]
     restart: bool,
-
-    /// Runs with errors drawn from the robot's [errors], beside those without: a run is all jumps
-    /// of a course, or one jump of a law or a table
-    #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
-    #[arg(help_heading = "Errors")]
-    samples: u32,
-
-    /// Size of the drawn errors, as a multiple of the robot's [errors]
-    #[arg(long, value_name = "FACTOR", value_parser = quantity::factor, default_value = "1", help_heading = "Errors")]
-    scatter: f64,
-
-    /// Seed of the drawn errors
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        default_value_t = 1,
-        help_heading = "Errors"
-    )]
-    seed: u64,
 
     /// How far (m) a landing may be from where it is wanted
     #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
@@ -74,21 +52,8 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "LENGTH", value_parser = quantity::height, help_heading = "What passes")]
     clearance: Option<f64>,
 
-    /// Share of the runs with drawn errors that have to pass; with --correct the plan has margins for
-    /// it [default: 0.9, without margins]
-    #[arg(long, value_name = "SHARE", value_parser = share, help_heading = "What passes")]
-    share: Option<f64>,
-
-    /// Error that the integrator may make in each step, relative to 1 + |y|
-    #[arg(long, value_name = "NUMBER", value_parser = accuracy, default_value = "1e-9", help_heading = "Robot and output")]
-    accuracy: f64,
-
-    /// Step by this time (s) in place of error control, and say what that costs
-    #[arg(long, value_name = "TIME", value_parser = fixed_step, help_heading = "Robot and output")]
-    fixed_step: Option<f64>,
-
     #[command(flatten)]
-    threads: Threads,
+    errors: ErrorFlags,
 
     /// Write a page that plays the jumps in a browser: those without errors, and the worst of the
     /// others
@@ -97,9 +62,6 @@ pub(crate) struct Verify {
 
     #[command(flatten)]
     mcap: McapOption,
-
-    #[command(flatten)]
-    plot: PlotOption,
 
     #[command(flatten)]
     common: Common,
@@ -170,24 +132,23 @@ words)}], \"advice\": [what to do], \"groups\": [{\"errors\", \"friction_coeffic
 
 --mcap writes the jumps that --animate shows, one after the other, each from a whole second on; docs/viewers.md lists the topics.
 
-With --fixed-step the integrator takes steps of one length, as a controller or a learner would; every jump is then simulated with error \
-control as well, and the report says how far the two differ (JSON: \"step_cost\": null or {\"step_s\", \"landing_greatest_m\", \"apex_greatest_m\", \"other_ends\" (jumps that end otherwise)}).
-
 The exit code is 1 if the verification fails, and if no plan crosses the course: then nothing is drawn. A jump that cannot be simulated \
 fails like any other.";
 
 /// Share that has to pass, unless another is given.
 const SHARE: f64 = 0.9;
+/// Error that the simulation makes in each step, relative to 1 + |y|.
+const ACCURACY: f64 = 1e-9;
 /// Fewest runs by which margins are made.
 const LEAST_DRAWN: usize = 200;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.common.ready(&self.plot)?;
+        self.common.ready()?;
         self.mcap.ready()?;
         reachable("--animate", self.animate.as_deref())?;
-        let robot = self.common.robot()?;
-        let plant = Plant::new(self.plant()?, self.accuracy);
+        let robot = self.common.robot.robot()?;
+        let plant = Plant::new(self.plant()?, ACCURACY);
         plant
             .rig()
             .map_err(|error| CliError::content(&plant.robot().name, error))?;
@@ -201,13 +162,13 @@ impl Verify {
             return Err(CliError::content(&plant.robot().name, error));
         }
         let how = self.verification();
-        let margins = self.share.map(|_| Verification {
+        let margins = self.errors.share.map(|_| Verification {
             // Other draws than those that the plan is verified by.
-            seed: !self.seed,
+            seed: !how.seed,
             samples: how.samples.max(LEAST_DRAWN),
             ..how.clone()
         });
-        let loaded = load::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
+        let loaded = subject::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
         let Some(loaded) = loaded else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], &robot).csv(),
@@ -226,16 +187,9 @@ impl Verify {
             ));
         }
         let trials = how.trials(subject, planner, plant.robot().body.radius)?;
-        let exact = fly(&how, &plant, &trials);
-        // What fixed steps cost is seen beside the jumps without them.
-        let (outcomes, exact) = match self.fixed_step {
-            Some(h) => (
-                fly(&how, &plant.stepped(Stepping::Fixed(h)), &trials),
-                Some(exact),
-            ),
-            None => (exact, None),
-        };
-        let cost = exact.map(|exact| context::StepCost::of(self.fixed_step, &outcomes, &exact));
+        let progress = Progress::new("runs", trials.len());
+        let outcomes = how.fly(&plant, &trials, &|| progress.advance(1));
+        drop(progress);
         let verdict = Verdict::of(&outcomes, how.share);
         let scene = context::Context {
             planner,
@@ -244,7 +198,6 @@ impl Verify {
             subject,
             for_plant: loaded.for_plant,
             how: &how,
-            step_cost: cost.as_ref(),
         };
         let report = match self.common.format() {
             Format::Csv => report::rows(&outcomes, &robot).csv(),
@@ -253,12 +206,8 @@ impl Verify {
         };
         let more = self.beside(&outcomes, &scene)?;
         let drawing = || Ok(drawing::sheet(&outcomes, &verdict, &scene));
-        self.common.write_with(report, &self.plot, drawing, more)?;
-        Ok(if verdict.passes {
-            Status::Done
-        } else {
-            Status::No
-        })
+        self.common.write_with(report, drawing, more)?;
+        Ok(Status::of(verdict.passes))
     }
 
     /// The page and the recording, where they are asked for.
@@ -273,7 +222,7 @@ impl Verify {
                 .map_err(|error| CliError::content(file.display(), error))?;
             files.push(("--animate", file, html.into_bytes()));
         }
-        let (robot, seed) = (scene.plant.robot(), Some(self.seed));
+        let (robot, seed) = (scene.plant.robot(), Some(self.errors.seed()));
         let record = |recording: &mut _| animation::record(recording, outcomes, scene);
         files.extend(self.mcap.recorded(robot, seed, record)?);
         Ok(files)
@@ -281,20 +230,15 @@ impl Verify {
 
     /// The robot that jumps.
     fn plant(&self) -> Result<saltus::Robot, CliError> {
-        match self.plant.robot(self.common.robot_flags())? {
+        match self.plant.robot(&self.common.robot)? {
             Some(plant) => Ok(plant),
-            None => self.common.robot(),
+            None => self.common.robot.robot(),
         }
     }
 
     /// How it is verified.
     fn verification(&self) -> Verification {
-        let ground = self.friction.as_ref();
         Verification {
-            samples: self.samples as usize,
-            scatter: self.scatter,
-            seed: self.seed,
-            frictions: ground.map_or(vec![None], |them| them.iter().copied().map(Some).collect()),
             starts: if self.restart {
                 Starts::Planned
             } else {
@@ -302,51 +246,7 @@ impl Verify {
             },
             tolerance: self.tolerance,
             clearance: self.clearance,
-            share: self.share.unwrap_or(SHARE),
-            threads: self.threads.count().get(),
+            ..self.errors.verification(100, SHARE)
         }
-    }
-}
-
-/// Simulates `trials` on `plant`, and shows how far it is.
-fn fly(how: &Verification, plant: &Plant, trials: &[Trial]) -> Vec<Outcome> {
-    let progress = Progress::new("runs", trials.len());
-    how.fly(plant, trials, &|| progress.advance(1))
-}
-
-/// Parser of a flag.
-fn share(text: &str) -> Result<f64, String> {
-    let share = Quantity::FACTOR
-        .parse(text)
-        .map_err(|error| error.to_string())?;
-    if share <= 1.0 {
-        Ok(share)
-    } else {
-        Err(format!("{share} must be a share from 0 to 1"))
-    }
-}
-
-/// Parser of a flag.
-fn fixed_step(text: &str) -> Result<f64, String> {
-    let step = quantity::time(text).map_err(|error| error.to_string())?;
-    if (1e-6..=Stepping::LONGEST).contains(&step) {
-        Ok(step)
-    } else {
-        Err(format!(
-            "{step} must be a time from 1e-6 to {} s",
-            Stepping::LONGEST
-        ))
-    }
-}
-
-/// Parser of a flag.
-fn accuracy(text: &str) -> Result<f64, String> {
-    let number = Quantity::FACTOR
-        .parse(text)
-        .map_err(|error| error.to_string())?;
-    if (1e-13..=1e-2).contains(&number) {
-        Ok(number)
-    } else {
-        Err(format!("{number} must be a number from 1e-13 to 0.01"))
     }
 }

@@ -3,136 +3,108 @@
 use std::fmt::Write;
 
 use saltus::Robot;
-use saltus::verify::{Demand, Failure, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict};
+use saltus::verify::{
+    Demand, Failure, Flown, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict,
+};
 use serde_json::{Value, json};
 
 use super::advice::advice;
 use super::context::Context;
-use crate::output::{self, Cell, Table, digits};
+use crate::cli::common::opening;
+use crate::output::{self, Column, Table, columns, digits};
 
-const COLUMNS: &[&str] = &[
-    "run",
-    "errors",
-    "jump",
-    "omega_rad_s",
-    "omega_true_rad_s",
-    "alpha_f_rad",
-    "valve_open_s",
-    "friction_coefficient",
-    "outcome",
-    "foot_x_m",
-    "foot_planned_x_m",
-    "apex_m",
-    "apex_planned_m",
-    "apex_error_m",
-    "land_x_m",
-    "land_planned_x_m",
-    "land_error_m",
-    "land_wanted_x_m",
-    "miss_m",
-    "clearance_m",
-    "slip_start_s",
-    "slip_m",
-    "slip_across_m",
-    "friction_needed",
-    "normal_least_n",
-    "energy_residual_j",
-    "touchdown_holds",
-    "ground_holds",
-    "ground_margin_m",
-    "edge_holds",
-    "edge_margin_m",
-    "avoid_holds",
-    "avoid_margin_m",
-    "zone_holds",
-    "zone_margin_m",
-    "goal_holds",
-    "goal_margin_m",
-    "tolerance_holds",
-    "tolerance_margin_m",
-    "clearance_holds",
-    "clearance_margin_m",
-    "stance_holds",
-    "stance_margin_m",
-    "friction_holds",
-    "friction_margin",
-    "passes",
-    "reason",
-];
+/// A jump of a run, and the run's number from 0.
+struct Row<'a> {
+    run: usize,
+    jump: RunJump<'a>,
+    robot: &'a Robot,
+}
+
+fn columns<'a>() -> [Column<Row<'a>>; 47] {
+    columns! {
+        "run", "", |row| row.run + 1;
+        "errors", "", |row| row.jump.trial.has_errors();
+        "jump", "jump", |row| row.jump.stage().surface.map(|_| row.jump.number + 1);
+        "omega_rad_s", "ω", |row| row.jump.stage().launch.rate;
+        "omega_true_rad_s", "", |row| row.jump.attempt.launch.rate;
+        "alpha_f_rad", "α_f", |row| row.jump.stage().launch.firing_angle;
+        "valve_open_s", "", |row| opening(row.robot, &row.jump.stage().launch);
+        "friction_coefficient", "friction", |row| row.jump.trial.friction;
+        "outcome", "outcome", |row| row.jump.attempt.outcome();
+        "foot_x_m", "foot", |row| {
+            let attempt = row.jump.attempt;
+            attempt.was_started().then_some(attempt.foot[0])
+        };
+        "foot_planned_x_m", "", |row| row.jump.stage().foot[0];
+        "apex_m", "apex", |row| row.jump.attempt.apex();
+        "apex_planned_m", "planned", |row| row.jump.stage().apex;
+        "apex_error_m", "", |row| row.jump.apex_error();
+        "land_x_m", "landing", |row| row.jump.attempt.landing();
+        "land_planned_x_m", "planned", |row| row.jump.stage().landing;
+        "land_error_m", "", |row| row.jump.land_error();
+        "land_wanted_x_m", "wanted", |row| row.jump.stage().wanted;
+        "miss_m", "", |row| row.jump.miss();
+        "clearance_m", "clearance", |row| row.jump.attempt.clearance;
+        "slip_start_s", "", |row| row.flown().and_then(|flown| flown.report.slips_at);
+        "slip_m", "slip", |row| row.flown().map(|flown| slip(flown.slip()));
+        "slip_across_m", "", |row| row.flown().map(|flown| slip(flown.report.slipped[1]));
+        "friction_needed", "", |row| row.flown().map(|flown| flown.report.friction_needed);
+        "normal_least_n", "", |row| row.flown().map(|flown| flown.report.least_normal);
+        "energy_residual_j", "", |row| row.flown().map(|flown| flown.report.residual);
+        "touchdown_holds", "", |row| row.holds(Demand::Touchdown);
+        "ground_holds", "", |row| row.holds(Demand::Ground);
+        "ground_margin_m", "", |row| row.margin(Demand::Ground);
+        "edge_holds", "", |row| row.holds(Demand::Edge);
+        "edge_margin_m", "", |row| row.margin(Demand::Edge);
+        "avoid_holds", "", |row| row.holds(Demand::Avoid);
+        "avoid_margin_m", "", |row| row.margin(Demand::Avoid);
+        "zone_holds", "", |row| row.holds(Demand::Zone);
+        "zone_margin_m", "", |row| row.margin(Demand::Zone);
+        "goal_holds", "", |row| row.holds(Demand::Goal);
+        "goal_margin_m", "", |row| row.margin(Demand::Goal);
+        "tolerance_holds", "", |row| row.holds(Demand::Tolerance);
+        "tolerance_margin_m", "", |row| row.margin(Demand::Tolerance);
+        "clearance_holds", "", |row| row.holds(Demand::Clearance);
+        "clearance_margin_m", "", |row| row.margin(Demand::Clearance);
+        "stance_holds", "", |row| row.holds(Demand::Stance);
+        "stance_margin_m", "", |row| row.margin(Demand::Stance);
+        "friction_holds", "", |row| row.holds(Demand::Friction);
+        "friction_margin", "", |row| row.margin(Demand::Friction);
+        "passes", "passes", |row| row.jump.attempt.passes();
+        "reason", "", |row| row.jump.attempt.reasons().join("; ");
+    }
+}
 
 /// A row for each jump of each run.
 pub(super) fn rows(outcomes: &[Outcome], robot: &Robot) -> Table {
-    let mut table = Table::new(COLUMNS);
-    for (run, outcome) in outcomes.iter().enumerate() {
-        for jump in outcome.jumps() {
-            table.push(row(run, &jump, robot));
-        }
-    }
-    table
+    let row = |(run, outcome)| {
+        let jumps = Outcome::jumps(outcome);
+        jumps.map(move |jump| Row { run, jump, robot })
+    };
+    Table::of(&columns(), outcomes.iter().enumerate().flat_map(row))
 }
 
 /// A length (m) below which the simulation knows none.
 pub(super) const NOTHING: f64 = 1e-9;
 
-fn row(run: usize, jump: &RunJump<'_>, robot: &Robot) -> Vec<Cell> {
-    let RunJump {
-        trial,
-        number,
-        attempt,
-    } = jump;
-    let (stage, flown) = (jump.stage(), attempt.flown());
-    let report = flown.map(|flown| &flown.report);
-    let slip = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
-    let mut row = vec![
-        Cell::Count(run + 1),
-        Cell::Flag(trial.has_errors()),
-        if stage.surface.is_some() {
-            Cell::Count(number + 1)
-        } else {
-            Cell::Empty
-        },
-        stage.launch.rate.into(),
-        attempt.launch.rate.into(),
-        stage.launch.firing_angle.into(),
-        robot
-            .leg
-            .drive
-            .has_valve()
-            .then_some(stage.launch.valve_open)
-            .into(),
-        trial.friction.into(),
-        Cell::Word(attempt.outcome()),
-        attempt.was_started().then_some(attempt.foot[0]).into(),
-        stage.foot[0].into(),
-        attempt.apex().into(),
-        stage.apex.into(),
-        jump.apex_error().into(),
-        attempt.landing().into(),
-        stage.landing.into(),
-        jump.land_error().into(),
-        stage.wanted.into(),
-        jump.miss().into(),
-        attempt.clearance.into(),
-        report.and_then(|report| report.slips_at).into(),
-        flown.map(|flown| slip(flown.slip())).into(),
-        report.map(|report| slip(report.slipped[1])).into(),
-        report.map(|report| report.friction_needed).into(),
-        report.map(|report| report.least_normal).into(),
-        report.map(|report| report.residual).into(),
-    ];
-    for demand in Demand::ALL {
-        let judgement = attempt.judgement(demand);
-        row.push(judgement.map_or(Cell::Empty, |judgement| Cell::Flag(judgement.holds())));
-        // Landing or not has no margin.
-        if demand != Demand::Touchdown {
-            row.push(judgement.map(|judgement| judgement.margin).into());
-        }
+fn slip(x: f64) -> f64 {
+    if x.abs() < NOTHING { 0.0 } else { x }
+}
+
+impl Row<'_> {
+    fn flown(&self) -> Option<&Flown> {
+        self.jump.attempt.flown()
     }
-    row.extend([
-        Cell::Flag(attempt.passes()),
-        Cell::Text(attempt.reasons().join("; ")),
-    ]);
-    row
+
+    fn holds(&self, demand: Demand) -> Option<bool> {
+        let judgement = self.jump.attempt.judgement(demand);
+        judgement.map(|judgement| judgement.holds())
+    }
+
+    fn margin(&self, demand: Demand) -> Option<f64> {
+        let judgement = self.jump.attempt.judgement(demand);
+        judgement.map(|judgement| judgement.margin)
+    }
 }
 
 /// What there is to say of a course without a plan.
@@ -166,12 +138,6 @@ pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         "passes": verdict.passes,
         "failures": verdict.failures.iter().map(failure_json).collect::<Vec<_>>(),
         "advice": advice(outcomes, verdict, context),
-        "step_cost": context.step_cost.map(|cost| json!({
-            "step_s": cost.step,
-            "landing_greatest_m": cost.landing,
-            "apex_greatest_m": cost.apex,
-            "other_ends": cost.other_ends,
-        })),
         "groups": verdict.groups.iter().map(group_json).collect::<Vec<_>>(),
         "rows": rows(outcomes, context.planner.robot()).json(),
     }))
@@ -255,54 +221,34 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         }
     }
     text.push_str(&jumps_text(outcomes, context));
-    if let Some(cost) = context.step_cost {
-        let _ = writeln!(
-            text,
-            "\nsteps of {} s: landings off by {} m at most, apexes by {} m, {} jumps end \
-             otherwise than with error control",
-            digits(cost.step, 4),
-            digits(cost.landing, 2),
-            digits(cost.apex, 2),
-            cost.other_ends
-        );
-    }
     text + &verdict_text(outcomes, verdict, context)
 }
 
 /// The jumps without errors one by one, where they are few.
 fn jumps_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
-    let nominal = || {
-        outcomes
-            .iter()
-            .filter(|o| !o.trial.has_errors())
-            .flat_map(Outcome::jumps)
-    };
-    if nominal().count() > FEW {
+    let robot = context.planner.robot();
+    let nominal = outcomes.iter().filter(|o| !o.trial.has_errors());
+    let rows = nominal.flat_map(Outcome::jumps);
+    let rows: Vec<Row<'_>> = rows
+        .map(|jump| Row {
+            run: 0,
+            jump,
+            robot,
+        })
+        .collect();
+    if rows.len() > FEW {
         return String::new();
     }
-    let mut table = Table::new(COLUMNS);
-    nominal().for_each(|jump| table.push(row(0, &jump, context.planner.robot())));
-    let (jump, foot) = (("jump", "jump", ""), ("foot_x_m", "foot", "m"));
-    let mut columns = if context.subject.is_plan() {
-        vec![jump, foot]
+    let place = if context.subject.is_plan() {
+        "jump foot_x_m "
     } else {
-        Vec::new()
+        ""
     };
-    columns.extend([
-        ("omega_rad_s", "ω", "rad/s"),
-        ("alpha_f_rad", "α_f", "rad"),
-        ("friction_coefficient", "friction", ""),
-        ("outcome", "outcome", ""),
-        ("apex_m", "apex", "m"),
-        ("apex_planned_m", "planned", "m"),
-        ("land_x_m", "landing", "m"),
-        ("land_planned_x_m", "planned", "m"),
-        ("land_wanted_x_m", "wanted", "m"),
-        ("clearance_m", "clearance", "m"),
-        ("slip_m", "slip", "m"),
-        ("passes", "passes", ""),
-    ]);
-    format!("\nwithout errors, jump by jump\n{}", table.text(&columns))
+    let table = Table::of(&columns(), rows).text_of(&format!(
+        "{place}omega_rad_s alpha_f_rad friction_coefficient outcome apex_m apex_planned_m land_x_m \
+         land_planned_x_m land_wanted_x_m clearance_m slip_m passes"
+    ));
+    format!("\nwithout errors, jump by jump\n{table}")
 }
 
 /// Pass or fail, what is missed, and what to do.
@@ -507,38 +453,21 @@ fn errors_text(group: &Group) -> [String; 3] {
 
 /// One line for each of several grounds.
 fn grounds_text(verdict: &Verdict, errors: bool) -> String {
-    const NAMES: &[&str] = &[
-        "mu", "jumps", "passed", "slipped", "mean", "sd", "rms", "greatest", "apex", "slip",
-    ];
-    let mut table = Table::new(NAMES);
+    let columns: [Column<&Group>; 10] = columns! {
+        "mu", "friction", |group| group.friction;
+        "jumps", "jumps", |group| group.jumps;
+        "passed", "pass", |group| group.passed;
+        "slipped", "slip", |group| group.slipped;
+        "mean_m", "Δ landing", |group| group.land_error.mean;
+        "sd_m", "±", |group| group.land_error.deviation;
+        "rms_m", "RMS miss", |group| group.miss.rms;
+        "greatest_m", "worst miss", |group| group.miss.greatest;
+        "apex_m", "Δ apex", |group| group.apex_error.mean;
+        "slip_m", "worst slip", |group| group.slip;
+    };
     let mut groups = verdict.grounds(errors).peekable();
     if groups.peek().is_none() {
         return String::new();
     }
-    for group in groups {
-        table.push(vec![
-            group.friction.into(),
-            Cell::Count(group.jumps),
-            Cell::Count(group.passed),
-            Cell::Count(group.slipped),
-            group.land_error.mean.into(),
-            group.land_error.deviation.into(),
-            group.miss.rms.into(),
-            group.miss.greatest.into(),
-            group.apex_error.mean.into(),
-            group.slip.into(),
-        ]);
-    }
-    table.text(&[
-        ("mu", "friction", ""),
-        ("jumps", "jumps", ""),
-        ("passed", "pass", ""),
-        ("slipped", "slip", ""),
-        ("mean", "Δ landing", "m"),
-        ("sd", "±", "m"),
-        ("rms", "RMS miss", "m"),
-        ("greatest", "worst miss", "m"),
-        ("apex", "Δ apex", "m"),
-        ("slip", "worst slip", "m"),
-    ])
+    Table::of(&columns, groups).text()
 }

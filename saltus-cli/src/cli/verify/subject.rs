@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use saltus::Robot;
-use saltus::on_plant::{for_crossing, planar};
-use saltus::planner::CrossingAnswer;
+use saltus::on_plant::{OnPlant, for_crossing, planar};
 use saltus::planner::course::Standing;
+use saltus::planner::{Corrected, CrossingAnswer, Planner};
 use saltus::robust::{self, Robust, RobustError};
 use saltus::verify::{Plant, Rule, Steering, Subject, Verification};
 
-use super::loaded::{Loaded, on_plant};
+use super::table_file;
 use crate::cli::target::{Block, block};
-use crate::cli::terms::{self, LandingHeight, StartLean, Terms, landing_height, start_lean};
+use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::input;
 use crate::output::digits;
@@ -53,29 +53,66 @@ pub(crate) struct SubjectFlags {
     #[arg(long, value_name = "FRONT,WIDTH,HEIGHT", value_parser = block, allow_hyphen_values = true)]
     obstacle: Option<Block>,
 
-    /// Where the distance of a law or a table ends: `wheel`, where the wheel touches level ground,
-    /// or the height (m) above the foothold to which the wheel's centre comes down [default: a
-    /// table's own; of a law: wheel]
-    #[arg(long, value_name = "wheel|HEIGHT", value_parser = landing_height, allow_hyphen_values = true)]
-    pub(super) landing_height: Option<LandingHeight>,
-
-    /// Valve opening time t_v (s) of a law or a table; of no effect for a spring, which has no
-    /// valve [default: a table's own; of a law: 0.1]
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    pub(super) valve_open: Option<f64>,
-
-    /// Where the stance of a law or a table starts and its approach rate counts: `firing`, at the
-    /// firing angle, or at this lean φ₀ (rad) [default: a table's own; of a law: firing]
-    #[arg(long, value_name = "firing|ANGLE", value_parser = start_lean, allow_hyphen_values = true)]
-    pub(super) start_lean: Option<StartLean>,
+    #[command(flatten)]
+    pub(super) terms: TermFlags,
 }
 
-pub(super) fn law(
+/// What is verified.
+pub(super) struct Loaded {
+    /// What it is called.
+    pub(super) title: String,
+    pub(super) subject: Subject,
+    /// What says where its jumps land.
+    pub(super) planner: Planner<Corrected>,
+    /// Whether it was made for the robot that jumps.
+    pub(super) for_plant: bool,
+}
+
+/// Answers for `robot` that hold on `plant`.
+pub(super) fn on_plant(robot: &Robot, plant: &Plant) -> Result<OnPlant, CliError> {
+    let plant = plant.robot();
+    OnPlant::new(robot, plant).map_err(|error| CliError::content(&plant.name, error))
+}
+
+/// What the flags name, for `robot`; none for a course that no plan crosses. A corrected plan has
+/// margins for the runs `margins`.
+pub(super) fn load(
     flags: &SubjectFlags,
-    slope: f64,
-    intercept: f64,
     robot: Robot,
-) -> Result<Loaded, CliError> {
+    plant: &Plant,
+    margins: Option<&Verification>,
+) -> Result<Option<Loaded>, CliError> {
+    flags.terms.note_valve(&robot);
+    let ending = flags.file.as_deref().and_then(ending);
+    let is_course = flags.file.is_some() && matches!(ending.as_deref(), None | Some("toml"));
+    if flags.correct && !is_course {
+        let allowed = "left out where there is no course";
+        return Err(CliError::flag("--correct", "", allowed));
+    }
+    match (&flags.file, flags.law) {
+        (Some(file), None) => match ending.as_deref() {
+            Some("csv") => table_file::load(flags, file, robot, plant).map(Some),
+            None | Some("toml") => plan(flags, file, robot, plant, margins),
+            Some(_) => Err(CliError::content(
+                file.display(),
+                "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
+                     (.csv)",
+            )),
+        },
+        (_, Some((slope, intercept))) => law(flags, slope, intercept, robot).map(Some),
+        _ => Err(CliError::Missing {
+            flag: "COURSE.toml",
+            allowed: "or TABLE.csv, or --law",
+        }),
+    }
+}
+
+/// How a file's name ends, in small letters.
+fn ending(file: &Path) -> Option<String> {
+    Some(file.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+fn law(flags: &SubjectFlags, slope: f64, intercept: f64, robot: Robot) -> Result<Loaded, CliError> {
     let rates = flags
         .omega
         .as_ref()
@@ -102,12 +139,7 @@ pub(super) fn law(
             ));
         }
     }
-    let terms = Terms::new(
-        &robot,
-        flags.landing_height.unwrap_or(LandingHeight::Wheel),
-        flags.valve_open.unwrap_or(terms::VALVE_OPEN),
-        flags.start_lean.unwrap_or(StartLean::Firing),
-    );
+    let terms = flags.terms.of(&robot);
     let title = format!("the law α_f = {formula}, {}", terms.landing_title());
     let rule = rule(flags, &terms, steering, rates, flags.distance);
     Ok(Loaded {
@@ -137,7 +169,7 @@ pub(super) fn rule(
 }
 
 /// The plan of a course; a corrected one with margins for the runs `margins`.
-pub(super) fn plan(
+fn plan(
     flags: &SubjectFlags,
     path: &Path,
     robot: Robot,
@@ -148,17 +180,11 @@ pub(super) fn plan(
         ("--omega", flags.omega.is_some()),
         ("--distance", flags.distance.is_some()),
         ("--obstacle", flags.obstacle.is_some()),
-        ("--landing-height", flags.landing_height.is_some()),
-        ("--valve-open", flags.valve_open.is_some()),
-        ("--start-lean", flags.start_lean.is_some()),
+        ("--landing-height", flags.terms.landing_height.is_some()),
+        ("--valve-open", flags.terms.valve_open.is_some()),
+        ("--start-lean", flags.terms.start_lean.is_some()),
     ];
-    if let Some((flag, _)) = alone.into_iter().find(|(_, is_given)| *is_given) {
-        return Err(CliError::flag(
-            flag,
-            "",
-            "left out where a course says what is to be done",
-        ));
-    }
+    CliError::unused(&alone, "left out where a course says what is to be done")?;
     let crossing = input::course(path)?;
     let file = path.display().to_string();
     let on_plant = flags.correct.then(|| on_plant(&robot, plant)).transpose()?;

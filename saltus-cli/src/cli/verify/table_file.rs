@@ -8,9 +8,8 @@ use saltus::planner::{Corrected, Planner};
 use saltus::verify::{Plant, Steering, Subject};
 use saltus::{Launch, Robot};
 
-use super::loaded::{Loaded, on_plant};
-use super::subject::{self, SubjectFlags};
-use crate::cli::terms::{self, LandingHeight, StartLean, Terms};
+use super::subject::{self, Loaded, SubjectFlags, on_plant};
+use crate::cli::terms::{LandingHeight, StartLean, Terms, VALVE_OPEN};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
 use crate::input;
@@ -27,48 +26,13 @@ const REPLAY: f64 = 1e-3;
 
 /// The columns that are read.
 const COLUMNS: [Column; 7] = [
-    Column {
-        name: "omega_rad_s",
-        others: &[],
-        quantity: Quantity::RATE,
-        need: Need::Value,
-    },
-    Column {
-        name: "alpha_f_rad",
-        others: &[],
-        quantity: Quantity::ANGLE,
-        need: Need::Column,
-    },
-    Column {
-        name: "distance_m",
-        others: &[],
-        quantity: Quantity::DISTANCE,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "land_m",
-        others: &[],
-        quantity: Quantity::LANDING,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "landing_height_m",
-        others: &[],
-        quantity: Quantity::HEIGHT,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "start_lean_rad",
-        others: &[],
-        quantity: Quantity::ANGLE,
-        need: Need::Nothing,
-    },
-    Column {
-        name: "valve_open_s",
-        others: &[],
-        quantity: Quantity::TIME,
-        need: Need::Nothing,
-    },
+    Column::new("omega_rad_s", Quantity::RATE, Need::Value),
+    Column::new("alpha_f_rad", Quantity::ANGLE, Need::Column),
+    Column::new("distance_m", Quantity::DISTANCE, Need::Nothing),
+    Column::new("land_m", Quantity::LANDING, Need::Nothing),
+    Column::new("landing_height_m", Quantity::HEIGHT, Need::Nothing),
+    Column::new("start_lean_rad", Quantity::ANGLE, Need::Nothing),
+    Column::new("valve_open_s", Quantity::TIME, Need::Nothing),
 ];
 
 /// A table that was read.
@@ -181,12 +145,11 @@ impl TableFile {
     /// What the table was made for, which flags may say where the file does not.
     fn terms(&self, flags: &SubjectFlags, robot: &Robot) -> Result<Terms, CliError> {
         let height = self.value("landing_height_m", |row| row.landing_height)?;
-        let given = flags.landing_height.map(|height| height.of(robot));
+        let given = flags.terms.landing_height.map(|height| height.of(robot));
         let height = self.one("--landing-height", "landing_height_m", height, given)?;
         let lean = self.start_lean()?;
-        let given = flags
-            .start_lean
-            .map(|lean| lean.fixed().unwrap_or(f64::NAN));
+        let given = flags.terms.start_lean;
+        let given = given.map(|lean| lean.fixed().unwrap_or(f64::NAN));
         // Not a number stands for the firing angle, which is no one lean.
         let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
         let lean = match (lean, given) {
@@ -199,9 +162,14 @@ impl TableFile {
         };
         let valve = self.value("valve_open_s", |row| row.valve_open)?;
         let valve = if robot.leg.drive.has_valve() || valve.is_some() {
-            self.one("--valve-open", "valve_open_s", valve, flags.valve_open)?
+            self.one(
+                "--valve-open",
+                "valve_open_s",
+                valve,
+                flags.terms.valve_open,
+            )?
         } else {
-            flags.valve_open.unwrap_or(terms::VALVE_OPEN)
+            flags.terms.valve_open.unwrap_or(VALVE_OPEN)
         };
         let start = if lean.is_nan() {
             StartLean::Firing

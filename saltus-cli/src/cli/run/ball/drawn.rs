@@ -12,9 +12,8 @@ use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
 use super::refused;
 use crate::cli::Status;
 use crate::cli::run::Run;
-use crate::cli::run::ensemble::{in_words, share};
 use crate::error::CliError;
-use crate::output::{self, Cell, Files, Format, Table, digits};
+use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
 use crate::progress::Progress;
 
 /// How soon (s) a robot that was thrown down should run again.

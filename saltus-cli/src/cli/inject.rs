@@ -1,4 +1,4 @@
-//! `saltus diagnose --inject`: synthetic data with hidden effects.
+//! `saltus inject`: synthetic data with hidden effects.
 
 use std::fmt::Write;
 
@@ -10,37 +10,66 @@ use saltus::inject::{self, Effect, Made, Request, Truth};
 use saltus::recording::Origin;
 use serde_json::{Map, Value, json};
 
-use super::Diagnose;
-use crate::cli::Status;
-use crate::cli::common::robot;
-use crate::cli::recorded::command as asked_for;
+use super::Status;
+use super::common::{FormatFlag, OutFolder, RobotFlags, Seed};
+use super::recorded::command as asked_for;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits, reachable_folder};
+use crate::output::{self, Format, digits, print};
 
 /// The file of a robot that goes with the data.
 const OWN: &str = "robot.toml";
 
-/// What data are made in place of a diagnosis.
+/// Make measured data with known effects hidden in them, on which a diagnosis can be tried
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Synthetic data")]
-pub(super) struct InjectFlags {
-    /// Make data with this hidden effect and write them to the folder --out; none: without an
-    /// effect; may be repeated
-    #[arg(long, value_name = "CAUSE=VALUE")]
-    pub(super) inject: Vec<String>,
+#[command(
+    after_help = "`saltus inject --help` explains the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("robot", |robot| robot.help("Robot that the operator believes is measured: a built-in one or a TOML file [default: that of the kind]")),
+    mut_arg("format", |format| format.help("Format of the report [default: text]")),
+    mut_arg("out", |out| out.help("Write the data to this folder, a new or an empty one"))
+)]
+pub(crate) struct Inject {
+    /// Effects that are hidden in the data; none: nothing is hidden
+    #[arg(value_name = "CAUSE=VALUE")]
+    effects: Vec<Effect>,
 
-    /// Kind of the data that are made
-    #[arg(long, value_parser = kinds(), default_value = "bench", requires = "inject", conflicts_with_all = ["folders", "power"])]
+    /// Kind of the data
+    #[arg(long, value_parser = kinds(), default_value = "bench")]
     kind: Sort,
 
-    /// Runs that are made, of outcomes jumps [default: as many as is usual of the kind]
-    #[arg(long, value_name = "COUNT", requires = "inject", conflicts_with_all = ["folders", "power"], value_parser = clap::value_parser!(u16).range(1..=500))]
+    /// Runs, of outcomes jumps [default: as many as is usual of the kind]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=500))]
     runs: Option<u16>,
 
-    /// Write the runs that are made as MCAP files in place of CSV
-    #[arg(long, requires = "inject", conflicts_with_all = ["folders", "power"])]
+    /// Write the runs as MCAP files in place of CSV
+    #[arg(long)]
     mcap: bool,
+
+    #[command(flatten)]
+    seed: Seed,
+
+    #[command(flatten)]
+    robot: RobotFlags,
+
+    #[command(flatten)]
+    format: FormatFlag,
+
+    #[command(flatten)]
+    out: OutFolder,
 }
+
+const LONG_HELP: &str = "\
+Examples:
+  saltus inject coulomb-friction=25 --out synthetic
+  saltus inject encoder-scale=wheel_angle_rad:1.02 axle-friction=0.3 --kind jump --out both
+
+The report says what is hidden in the data; their folder does not. CAUSE is an id, VALUE its parameter in the unit of its name, \
+several with commas; of a sensor COLUMN:VALUE. A CAUSE that the kind does not have is answered with a list of those that it has. \
+docs/logs.md has the format of the data.
+
+JSON: {\"command\": \"inject\", \"kind\", \"seed\", \"runs\", \"rows\", \"causes\": [{\"id\", \"column\", \"parameters\"}]}.
+
+CSV columns, one row for each parameter: cause (the id), column, parameter, value.";
 
 /// Reads the kinds by their names, with what they are for the help.
 fn kinds() -> impl TypedValueParser<Value = Sort> {
@@ -49,52 +78,26 @@ fn kinds() -> impl TypedValueParser<Value = Sort> {
         .try_map(|id| Sort::named(&id).ok_or("one of the possible values"))
 }
 
-impl InjectFlags {
-    /// Whether data are to be made.
-    pub(super) fn is_set(&self) -> bool {
-        !self.inject.is_empty()
-    }
-
-    fn effects(&self) -> Result<Vec<Effect>, CliError> {
-        let asked: Vec<&String> = self.inject.iter().filter(|text| *text != "none").collect();
-        if asked.len() < self.inject.len() && self.inject.len() > 1 {
-            return Err(CliError::flag("--inject", "none", "the only one"));
-        }
-        Ok(asked
-            .into_iter()
-            .map(|text| text.parse())
-            .collect::<Result<_, _>>()?)
-    }
-
-    /// Makes the data, and says what is hidden in them.
-    pub(super) fn run(&self, command: &Diagnose) -> Result<Status, CliError> {
-        let Some(folder) = command.output.out() else {
-            return Err(CliError::Missing {
-                flag: "--out",
-                allowed: "a new or an empty folder for the data",
-            });
-        };
-        reachable_folder(folder)?;
-        let name = command.robot.as_deref().or(self.kind.spec().robot);
-        let robot = name
-            .map(|name| robot(name, &command.overrides))
-            .transpose()?;
-        let effects = self.effects()?;
+impl Inject {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.out.ready()?;
+        let usual = self.kind.spec().robot;
+        let robot = self.robot.robot_if_any(usual.map(str::to_owned))?;
         let mut made = inject::make(&Request {
             kind: self.kind,
             robot: robot.as_ref(),
-            effects: &effects,
-            seed: command.seed,
+            effects: &self.effects,
+            seed: self.seed.seed,
             runs: self.runs.map(usize::from),
             asked: &[],
         })?;
-        let is_builtin = |name: &str| saltus::Robot::builtin_names().any(|known| known == name);
         // A robot of its own goes with the data.
-        let own = robot
-            .as_ref()
-            .filter(|_| !command.overrides.is_empty() || !name.is_some_and(is_builtin));
+        let name = self.robot.name().or(usual);
+        let is_builtin = |name| saltus::Robot::builtin_names().any(|known| known == name);
+        let is_own = !self.robot.overrides().is_empty() || !name.is_some_and(is_builtin);
+        let own = robot.as_ref().filter(|_| is_own);
         let listed = if own.is_some() { Some(OWN) } else { name };
-        let listed = listed.filter(|_| self.kind.spec().robot.is_some());
+        let listed = listed.filter(|_| usual.is_some());
         let more: Vec<(&str, String)> = own
             .map(|robot| (OWN, robot.to_toml()))
             .into_iter()
@@ -102,7 +105,7 @@ impl InjectFlags {
         let words = asked_for();
         let origin = Origin {
             command: &words,
-            seed: Some(command.seed),
+            seed: Some(self.seed.seed),
             robot: robot.as_ref(),
         };
         if self.mcap {
@@ -110,25 +113,21 @@ impl InjectFlags {
                 run.name = format!("{}.mcap", run.name.trim_end_matches(".csv"));
             }
         }
+        let folder = self.out.path();
         experiment::write_from(folder, &made.experiment, listed, &more, &origin)?;
-        let mut files = Files::default();
-        files.report(
-            None,
-            match command.output.format() {
-                Format::Json => output::json(&self.json(&made, command.seed)),
-                Format::Csv => csv(&made.truth),
-                Format::Text => self.text(&made, folder),
-            },
-        );
-        files.write()?;
+        print(&match self.format.asked() {
+            Some(Format::Json) => output::json(&self.json(&made)),
+            Some(Format::Csv) => csv(&made.truth),
+            _ => self.text(&made),
+        })?;
         Ok(Status::Done)
     }
 
-    fn text(&self, made: &Made, folder: &std::path::Path) -> String {
+    fn text(&self, made: &Made) -> String {
         let (runs, rows) = size(made);
         let mut text = format!(
             "{}: {runs} runs, {rows} rows of kind {}\n",
-            folder.display(),
+            self.out.path().display(),
             self.kind.spec().id
         );
         if made.truth.is_empty() {
@@ -148,7 +147,7 @@ impl InjectFlags {
         text
     }
 
-    fn json(&self, made: &Made, seed: u64) -> Value {
+    fn json(&self, made: &Made) -> Value {
         let entry = |truth: &Truth| {
             let parameters: Map<String, Value> = truth
                 .parameters
@@ -159,9 +158,9 @@ impl InjectFlags {
         };
         let (runs, rows) = size(made);
         json!({
-            "command": "diagnose --inject",
+            "command": "inject",
             "kind": self.kind.spec().id,
-            "seed": seed,
+            "seed": self.seed.seed,
             "runs": runs,
             "rows": rows,
             "causes": made.truth.iter().map(entry).collect::<Vec<_>>(),

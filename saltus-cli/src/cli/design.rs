@@ -1,7 +1,7 @@
-//! `saltus diagnose --power`: what a planned experiment can tell.
+//! `saltus design`: what a planned experiment can tell.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use saltus::Robot;
@@ -11,76 +11,94 @@ use saltus::inject::{self, Asked, Effect};
 use saltus::power::{self, PowerError, Proposed, SEEN, Told};
 use serde_json::{Map, Value, json};
 
-use super::Diagnose;
-use super::words::{grid, split, with_unit};
-use crate::cli::Status;
-use crate::cli::common::robot;
+use super::Status;
+use super::common::{OutputFlags, RobotFlags};
+use super::diagnose::Claims;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits};
+use crate::output::{self, Format, digits, grid, split, with_unit};
 use crate::progress::Progress;
 
-const EFFECT: &str = "--effect";
-
-/// What a planned experiment can tell.
+/// Say what a planned experiment can tell: how often a diagnosis of its data would name each effect
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Planned experiments")]
-pub(super) struct PowerFlags {
-    /// Say what the experiment planned in this file can tell, in place of a diagnosis
-    #[arg(long, value_name = "PLAN.toml")]
-    power: Option<PathBuf>,
+#[command(
+    after_help = "`saltus design --help` explains the plan and the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("robot", |robot| robot.help("Robot that the operator believes will be measured, in place of the plan's: a built-in one or a TOML file"))
+)]
+pub(crate) struct Design {
+    /// What will be measured
+    #[arg(value_name = "PLAN.toml")]
+    plan: PathBuf,
 
     /// Effect that may be there, with its size; may be repeated [default: every cause at two sizes]
-    #[arg(
-        long,
-        value_name = "CAUSE=VALUE",
-        requires = "power",
-        conflicts_with = "folders"
-    )]
-    effect: Vec<String>,
+    #[arg(long, value_name = "CAUSE=VALUE")]
+    effect: Vec<Effect>,
 
     /// Propose so many jumps that tell the effects apart best
-    #[arg(long, value_name = "COUNT", requires = "power", conflicts_with = "folders", value_parser = clap::value_parser!(u16).range(1..=200))]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=200))]
     propose: Option<u16>,
+
+    #[command(flatten)]
+    claims: Claims,
+
+    #[command(flatten)]
+    robot: RobotFlags,
+
+    #[command(flatten)]
+    output: OutputFlags,
 }
 
-impl PowerFlags {
-    /// The file of the plan, if one is asked about.
-    pub(super) fn plan(&self) -> Option<&Path> {
-        self.power.as_deref()
-    }
+const LONG_HELP: &str = "\
+Examples:
+  saltus design plan.toml
+  saltus design plan.toml --effect air-drag=0.02 --effect mass=2.9 --propose 12
 
-    /// Says what the plan in the file at `path` can tell.
-    pub(super) fn run(&self, path: &Path, command: &Diagnose) -> Result<Status, CliError> {
-        let file = path.display().to_string();
-        let plan = Plan::open(path)?;
-        let robot = robot_of(&plan, path, command)?;
-        let effects: Vec<Effect> = self
-            .effect
-            .iter()
-            .map(|text| {
-                text.parse()
-                    .map_err(|error| CliError::content(EFFECT, error))
-            })
-            .collect::<Result<_, _>>()?;
-        let mut settings = command.settings();
-        let is_new =
-            |known: &&saltus::diagnosis::Known| settings.known.iter().all(|k| k.name != known.name);
-        let more: Vec<_> = plan.known.iter().filter(is_new).cloned().collect();
-        settings.known.extend(more);
+No data are needed: PLAN.toml says what will be measured, and the answer is how often a diagnosis of that would \
+name each effect (alone or with two rivals at most), how often nothing, and what it would be taken for. Keys of a plan: kind, robot, \
+runs (how many; of outcomes jumps), [noise], [resolution] and [known] as in experiment.toml; [[jump]] of the kinds jump and outcomes, in the \
+place of runs: approach_rate_rad_s, firing_angle_rad, valve_open_s, of jump supply_pressure_gauge_psi, and repeat. \
+Without --effect every cause is tried at two sizes: those that all readings together show by 6 and by 12 standard deviations of \
+noise and of the model's own error (--model-error). --propose gives the jumps of a grid that tell the \
+effects apart best. An example:
+  kind = \"outcomes\"
+  robot = \"rats-boom\"
+  noise = { distance_mm = 3, apex_mm = 2 }
+  [[jump]]
+  approach_rate_rad_s = 4.5
+  firing_angle_rad = 0.05
+  valve_open_s = 0.08
+  repeat = 6
+
+JSON: {\"command\": \"design\", \"kind\", \"robot\", \"runs\", \"experiments_drawn\", \"effects\": [{\"id\", \"column\", \"parameters\", \"seen_by_sigmas\", \"named\", \"alone\", \"nothing\" (shares), \
+\"others\": {id: share}}], \"never_seen\": [ids], \"proposed\" (null without --propose): {\"jumps\": [{approach_rate_rad_s, firing_angle_rad, valve_open_s, supply_pressure_gauge_pa}], \"effects\"}}.
+
+CSV columns, one row for each parameter of an effect: cause (the id), column, parameter, value, seen_by_sigmas, named, alone, nothing.";
+
+impl Design {
+    pub(crate) fn run(self) -> Result<Status, CliError> {
+        self.output.report_ready()?;
+        let plan = Plan::open(&self.plan)?;
+        let robot = self.robot_of(&plan)?;
+        let mut settings = self.claims.settings()?;
+        for known in &plan.known {
+            if settings.known.iter().all(|other| other.name != known.name) {
+                settings.known.push(known.clone());
+            }
+        }
         let progress = Progress::new("effects", 0);
         let advance = |_: &str| progress.advance(1);
         let wrong = |error: PowerError| match error {
             PowerError::Data(
                 error @ (inject::Error::Cause { .. } | inject::Error::Value { .. }),
-            ) => CliError::content(EFFECT, error),
+            ) => CliError::content("--effect", error),
             error @ PowerError::NoJumps { .. } => CliError::content("--propose", error),
-            error => CliError::content(&file, error),
+            error => CliError::content(self.plan.display(), error),
         };
-        let told =
-            power::told(&plan, robot.as_ref(), &effects, &settings, &advance).map_err(wrong)?;
+        let told = power::told(&plan, robot.as_ref(), &self.effect, &settings, &advance);
+        let told = told.map_err(wrong)?;
         let propose = |count: u16| {
             let (robot, count) = (robot.as_ref(), usize::from(count));
-            power::propose(&plan, robot, &effects, count, &settings, &advance)
+            power::propose(&plan, robot, &self.effect, count, &settings, &advance)
         };
         let proposed = self.propose.map(propose).transpose().map_err(wrong)?;
         drop(progress);
@@ -91,34 +109,27 @@ impl PowerFlags {
             told,
             proposed,
         };
-        let mut files = Files::default();
-        files.report(
-            command.output.out(),
-            match command.output.format() {
-                Format::Json => output::json(&answer.json()),
-                Format::Csv => answer.csv(),
-                Format::Text => answer.text(),
-            },
-        );
-        files.write()?;
+        self.output.write_report(match self.output.format() {
+            Format::Json => output::json(&answer.json()),
+            Format::Csv => answer.csv(),
+            Format::Text => answer.text(),
+        })?;
         Ok(Status::Done)
     }
-}
 
-/// The robot that the operator believes in.
-fn robot_of(plan: &Plan, path: &Path, command: &Diagnose) -> Result<Option<Robot>, CliError> {
-    let beside = |name: &String| {
-        let is_builtin = Robot::builtin_names().any(|known| known == name);
-        match path.parent().filter(|_| !is_builtin) {
-            Some(folder) => folder.join(name).display().to_string(),
-            None => name.clone(),
-        }
-    };
-    let usual = plan.kind.spec().robot.map(str::to_owned);
-    let own = plan.robot.as_ref().map(beside);
-    let name = command.robot.clone().or(own).or(usual);
-    name.map(|name| robot(&name, &command.overrides))
-        .transpose()
+    /// The robot that the operator believes in: that of the flags, of the plan or of the kind.
+    fn robot_of(&self, plan: &Plan) -> Result<Option<Robot>, CliError> {
+        let beside = |name: &String| {
+            let is_builtin = Robot::builtin_names().any(|known| known == name);
+            match self.plan.parent().filter(|_| !is_builtin) {
+                Some(folder) => folder.join(name).display().to_string(),
+                None => name.clone(),
+            }
+        };
+        let usual = plan.robot.as_ref().map(beside);
+        let usual = usual.or(plan.kind.spec().robot.map(str::to_owned));
+        self.robot.robot_if_any(usual)
+    }
 }
 
 /// What is said.
@@ -224,7 +235,7 @@ impl Answer<'_> {
             })
         });
         json!({
-            "command": "diagnose --power",
+            "command": "design",
             "kind": self.kind,
             "robot": self.robot.map(|robot| &robot.name),
             "runs": self.told.runs,
