@@ -159,7 +159,7 @@ fn least<S: Single>(path: &impl Path<S>, obstacle: &Obstacle, span: [S; 2], radi
         // A minimum may sit in the bend between two arcs.
         best = best.or(at(arc.span[0], Cause::Level));
         for_each_level(obstacle, &arc, |time| {
-            best = best.or(at(time, Cause::Level))
+            best = best.or(at(time, Cause::Level));
         });
         if best.gap < NEAR {
             for_each_tie(obstacle, &arc, |time, a, b| {

@@ -297,8 +297,7 @@ fn distance_to_a_corner_is_the_clearance_of_a_box_passed_above() {
         // The box is a nanometre wide.
         assert!(
             (distance - clearance).abs() < 2e-9,
-            "{x}: {distance} {}",
-            clearance
+            "{x}: {distance} {clearance}"
         );
     }
 }
