@@ -127,7 +127,6 @@ parsers! {
     heading HEADING;
     distance DISTANCE;
     time TIME;
-    opening OPEN;
     factor FACTOR;
     height HEIGHT;
     extent EXTENT;
