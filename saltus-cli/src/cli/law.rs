@@ -14,7 +14,9 @@ use super::terms::Terms;
 use crate::error::CliError;
 use crate::output::{self, Column, Format, Table as Rows, columns, digits};
 use crate::plot::Drawing;
-use crate::plot::law::{LawPlot, Line};
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::{BLUE, viridis};
+use crate::plot::sheet::{Panel, Sheet};
 use crate::progress::Progress;
 use crate::quantity;
 
@@ -248,33 +250,56 @@ impl Law {
             let allowed = format!("used with {MOST} targets at most, not {}", found.len());
             return Err(CliError::flag("--plot", "", allowed));
         }
-        let line = |one: &Found| {
-            let law = one.law.as_ref()?;
+        let laws: Vec<(f64, &planner::Law)> = found
+            .iter()
+            .filter_map(|one| Some((one.target, one.law.as_ref()?)))
+            .collect();
+        let color = |i: usize| match laws.len() {
+            1 => BLUE,
+            count => viridis(0.85 * i as f64 / (count - 1) as f64),
+        };
+        let (mut angles, mut residuals) = (Vec::new(), Vec::new());
+        for (i, (target, law)) in laws.iter().enumerate() {
+            let line = |mark, label: Option<String>, of: fn(&LawPoint) -> f64| Line {
+                label,
+                points: law.points.iter().map(|p| (p.rate, of(p))).collect(),
+                color: color(i),
+                mark,
+            };
             let label = format!(
                 "{} m: A = {} s, B = {} rad",
-                digits(one.target, 4),
+                digits(*target, 4),
                 digits(law.slope, 4),
                 digits(law.intercept, 4)
             );
-            let points = law
-                .points
-                .iter()
-                .map(|p| (p.rate, p.exact, p.fitted))
-                .collect();
-            Some(Line {
-                label: label.replace('-', "−"),
-                points,
-            })
+            let label = Some(label.replace('-', "−"));
+            angles.push(line(Mark::Solid, label, |p| p.fitted));
+            angles.push(line(Mark::Dots, None, |p| p.exact));
+            residuals.push(line(Mark::Dots, None, |p| 1e3 * (p.fitted - p.exact)));
+        }
+        let panel = |title: String, y, lines| Panel {
+            title,
+            x: "approach rate ω (rad/s)",
+            y,
+            lines,
+            least: None,
         };
-        Ok(Drawing::Law(LawPlot {
+        let head = match found.first() {
+            Some(one) if laws.is_empty() => nothing_text(one).trim_end().to_owned(),
+            _ => "dots exact, lines fitted".to_owned(),
+        };
+        Ok(Drawing::Sheet(Sheet {
             title: format!(
                 "{}: linear law of the firing angle for a {}, {}",
                 robot.name,
                 self.target.kind().name(),
                 terms.landing_title()
             ),
-            lines: found.iter().filter_map(line).collect(),
-            empty: found.first().map_or(String::new(), nothing_text),
+            course: None,
+            panels: vec![
+                panel(head, "firing angle α_f (rad)", angles),
+                panel("fitted less exact".into(), "residual (mrad)", residuals),
+            ],
         }))
     }
 }

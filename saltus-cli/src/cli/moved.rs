@@ -45,7 +45,7 @@ const MOVED: &[Moved] = &[
     to_study("jump", "--rest", "ball_jump 0.3,0.2"),
     to_study("jump", "--map", "ball_jump map 0.2"),
     to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
-    to_study("jump", "--constant", "landing_scatter -- 120 30 100"),
+    to_study("jump", "--constant", "box"),
     gone(
         "jump",
         "--greatest",

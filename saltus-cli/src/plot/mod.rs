@@ -5,7 +5,6 @@ mod contour;
 pub(crate) mod curves;
 pub(crate) mod flown;
 pub(crate) mod ground;
-pub(crate) mod law;
 pub(crate) mod line;
 pub(crate) mod map;
 pub(crate) mod palette;
@@ -31,8 +30,6 @@ pub(crate) enum Drawing {
     Trajectories(trajectories::Trajectories),
     /// Firing angles over approach rates.
     Curves(curves::Curves),
-    /// Linear laws.
-    Law(law::LawPlot),
     /// What is reachable.
     Map(map::MapPlot),
     /// A plan on its course.
@@ -138,7 +135,6 @@ impl Drawing {
         match self {
             Drawing::Trajectories(drawing) => drawing.size(),
             Drawing::Curves(_) => curves::Curves::SIZE,
-            Drawing::Law(_) => law::LawPlot::SIZE,
             Drawing::Map(drawing) => drawing.size(),
             Drawing::Scene(drawing) => drawing.size(),
             Drawing::Sheet(drawing) => drawing.size(),
@@ -150,7 +146,6 @@ impl Drawing {
         match self {
             Drawing::Trajectories(drawing) => drawing.draw(area, pen)?,
             Drawing::Curves(drawing) => drawing.draw(area, pen)?,
-            Drawing::Law(drawing) => drawing.draw(area, pen)?,
             Drawing::Map(drawing) => drawing.draw(area, pen)?,
             Drawing::Scene(drawing) => drawing.draw(area, pen)?,
             Drawing::Sheet(drawing) => drawing.draw(area, pen)?,

@@ -1,5 +1,6 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
+mod blocks;
 mod known;
 mod page;
 mod replan;

@@ -5,11 +5,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use saltus::chart::{Chart, Ink, escaped};
-use saltus::diagnosis::{Finding, Point, Sort, points};
+use saltus::diagnosis::{Point, Sort, points};
 
-use super::known;
-use super::report::{Report, next_of};
-use super::steps::steps;
+use super::blocks::{self, Charts};
+use super::report::Report;
 use crate::output::split;
 use crate::plot::span;
 
@@ -27,214 +26,29 @@ const CLOUD: usize = 1500;
 pub(super) fn html(report: &Report<'_>, folders: &[PathBuf]) -> String {
     let curves = Curves::of(report);
     let headline = escaped(&report.headline());
-    let mut out = format!(
+    let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
+    let robot = report.found.robot.as_ref();
+    let provenance = format!(
+        "{}{}; saltus {}, seed {}",
+        names.join(", "),
+        robot.map_or(String::new(), |robot| format!("; robot {}", robot.name)),
+        env!("CARGO_PKG_VERSION"),
+        report.found.settings.seed
+    );
+    let body = blocks::html(&report.blocks(), &|charts| match charts {
+        Charts::Measured => curves.measured(report),
+        Charts::Residuals => curves.residuals(report),
+    });
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
          name=\"viewport\" content=\"width=device-width, \
          initial-scale=1\">\n<title>{headline}</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<p class=\"kicker\">Diagnosis of a \
-         simulation by measured data · {}</p>\n<h1>{headline}</h1>\n",
-        escaped(&report.size())
-    );
-    for text in report.misstated() {
-        let _ = writeln!(
-            out,
-            "<div class=\"card off\"><p>{}</p></div>",
-            escaped(&text)
-        );
-    }
-    for finding in &report.found.diagnosis.findings {
-        cause(&mut out, report, finding);
-    }
-    if let Some(estimated) = report.estimated() {
-        sentence(&mut out, &estimated);
-    }
-    if let Some(left) = report.left() {
-        sentence(&mut out, &left);
-    }
-    if let Some(stopped) = report.stopped() {
-        sentence(&mut out, &stopped);
-    }
-    if let Some(small) = report.small() {
-        sentence(&mut out, &small);
-    }
-    if let Some(unknown) = report.unknown() {
-        let _ = writeln!(
-            out,
-            "<div class=\"card off\"><h3>unknown</h3><p>{}</p></div>",
-            escaped(&unknown)
-        );
-    }
-    if report.is_well() {
-        let claims = escaped(&report.claims());
-        let _ = writeln!(
-            out,
-            "<div class=\"card well\"><p>No cause on the list lowers the misfit by more than \
-             chance does. {claims}</p></div>"
-        );
-    }
-    gains(&mut out, report);
-    if let Some(worth) = report.worth() {
-        out.push_str("<h2>What knowing it is worth</h2>\n");
-        sentence(&mut out, &worth);
-    }
-    if let Some(replan) = &report.found.replan {
-        out.push_str("<h2>What it is worth on a course</h2>\n");
-        for line in replan.lines() {
-            sentence(&mut out, &line);
-        }
-    }
-    curves.measured(&mut out, report);
-    curves.residuals(&mut out, report);
-    table(&mut out, &report.residual_lines(), 2);
-    sentence(&mut out, Report::MARKS);
-    candidates(&mut out, report);
-    next(&mut out, report);
-    provenance(&mut out, report, folders);
-    out + "</main>\n</body>\n</html>\n"
-}
-
-fn sentence(out: &mut String, text: &str) {
-    // Writing to a string does not fail.
-    let _ = writeln!(out, "<p class=\"small\">{}</p>", escaped(text));
-}
-
-/// A header, then lines; the first `left` columns begin in line.
-fn table(out: &mut String, lines: &[Vec<String>], left: usize) {
-    out.push_str("<table>\n");
-    for (k, line) in lines.iter().enumerate() {
-        out.push_str("<tr>");
-        for (i, cell) in line.iter().enumerate() {
-            let tag = if k == 0 { "th" } else { "td" };
-            let is_words = i < left || (i + 1 == line.len() && line.len() > 2);
-            let class = if cell.starts_with('*') {
-                " class=\"off\""
-            } else if is_words {
-                ""
-            } else {
-                " class=\"n\""
-            };
-            let cell = escaped(cell.trim_start_matches("* ").trim());
-            let _ = write!(out, "<{tag}{class}>{cell}</{tag}>");
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</table>\n");
-}
-
-fn cause(out: &mut String, report: &Report<'_>, finding: &Finding) {
-    let (name, what) = (escaped(&finding.best.title()), finding.best.meaning());
-    let _ = writeln!(
-        out,
-        "<div class=\"card\"><h3>{name}</h3>\n<p>In the machine {what}.</p>"
-    );
-    let mut lines = vec![vec![
-        "parameter".to_owned(),
-        "value ± standard error; interval by profile likelihood".to_owned(),
-    ]];
-    lines.extend(
-        report
-            .parameters_of(finding, &finding.best)
-            .into_iter()
-            .map(|(n, x)| vec![n, x]),
-    );
-    table(out, &lines, 2);
-    if !finding.is_identifiable {
-        let _ = writeln!(out, "<p>{}</p>", escaped(Report::OPEN));
-    }
-    if let Some(text) = report.undetermined(finding) {
-        let _ = writeln!(out, "<p>{}</p>", escaped(&text));
-    }
-    if !finding.rivals.is_empty() || finding.unlisted.is_some() {
-        out.push_str("<p>It could as well be:</p>\n");
-        let mut lines = vec![vec!["rival".to_owned(), "with".to_owned()]];
-        for rival in &finding.rivals {
-            lines.push(vec![rival.title(), report.rival(finding, rival)]);
-        }
-        if finding.rivals.is_empty() {
-            lines.clear();
-        }
-        table(out, &lines, 2);
-        if let Some(term) = &finding.unlisted {
-            sentence(out, &format!("{}.", Report::unlisted(term)));
-        }
-        sentence(out, Report::RIVALS);
-    }
-    let less_likely = Report::less_likely(finding).into_iter();
-    for text in less_likely
-        .chain(known::against(finding))
-        .chain(next_of(finding))
-    {
-        sentence(out, &text);
-    }
-    out.push_str("</div>\n");
-}
-
-/// What to do next.
-fn next(out: &mut String, report: &Report<'_>) {
-    out.push_str("<h2>What to do next</h2>\n<ol>\n");
-    for step in steps(report.found) {
-        let command = step.command.map_or(String::new(), |c| {
-            format!("<br><code>{}</code>", escaped(&c))
-        });
-        let _ = writeln!(out, "<li>{}{command}</li>", escaped(&step.what));
-    }
-    out.push_str("</ol>\n");
-}
-
-fn gains(out: &mut String, report: &Report<'_>) {
-    out.push_str("<h2>Prediction of data that were left out of the fit</h2>\n");
-    sentence(
-        out,
-        "Root mean square of measured less predicted. No model does better than the noise.",
-    );
-    table(out, &report.gains(), 1);
-}
-
-fn candidates(out: &mut String, report: &Report<'_>) {
-    out.push_str("<h2>Every cause alone</h2>\n");
-    sentence(out, Report::MISFIT);
-    if !report.found.diagnosis.tried.is_empty() {
-        table(out, &report.tried_lines(), 1);
-    }
-    if let Some(text) = report.silent() {
-        sentence(out, &text);
-    }
-}
-
-fn provenance(out: &mut String, report: &Report<'_>, folders: &[PathBuf]) {
-    out.push_str("<h2>Where this comes from</h2>\n");
-    let names: Vec<String> = folders.iter().map(|f| f.display().to_string()).collect();
-    let mut lines = vec![
-        vec!["what".to_owned(), "which".to_owned()],
-        vec!["data".to_owned(), names.join(", ")],
-    ];
-    lines.push(vec![
-        "hash of the data".to_owned(),
-        report.found.folder.hash.clone(),
-    ]);
-    lines.push(vec!["size".to_owned(), report.size()]);
-    if let Some(robot) = &report.found.robot {
-        lines.push(vec!["robot".to_owned(), robot.name.clone()]);
-    }
-    lines.push(vec![
-        "saltus".to_owned(),
-        env!("CARGO_PKG_VERSION").to_owned(),
-    ]);
-    lines.push(vec![
-        "seed".to_owned(),
-        report.found.settings.seed.to_string(),
-    ]);
-    table(out, &lines, 2);
-    sentence(out, &report.claims());
-    if let Some(text) = report.widened() {
-        sentence(out, &text);
-    }
-    if let Some(text) = report.disagree() {
-        sentence(out, text);
-    }
-    for note in &report.found.folder.notes {
-        sentence(out, &format!("Note: {note}"));
-    }
+         simulation by measured data · {}</p>\n<h1>{headline}</h1>\n{body}<p class=\"small\">{}</p>\n\
+         </main>\n</body>\n</html>\n",
+        escaped(&report.size()),
+        escaped(&provenance)
+    )
 }
 
 /// Readings beside both models.
@@ -276,15 +90,11 @@ impl Curves {
     }
 
     /// Measured and predicted of the worst runs.
-    fn measured(&self, out: &mut String, report: &Report<'_>) {
+    fn measured(&self, report: &Report<'_>) -> String {
         let changes = !report.found.diagnosis.findings.is_empty();
-        out.push_str("<h2>Measured and predicted</h2>\n");
-        sentence(
-            out,
-            "The runs that the simulation as it is predicts worst, of each channel.",
-        );
-        out.push_str(
-            "<p class=\"key\"><span><i \
+        let mut out = String::from(
+            "<h2>Measured and predicted</h2>\n<p class=\"small\">The runs that the simulation as it is \
+             predicts worst, of each channel.</p>\n<p class=\"key\"><span><i \
             style=\"border-top-style:dotted;border-color:#3c444e\"></i>measured</span>",
         );
         out.push_str(
@@ -337,18 +147,15 @@ impl Curves {
                 let _ = writeln!(out, "<div>{}</div>", chart.svg());
             }
         }
-        out.push_str("</div>\n");
+        out + "</div>\n"
     }
 
     /// Residuals of all runs, before and after.
-    fn residuals(&self, out: &mut String, report: &Report<'_>) {
-        out.push_str("<h2>What the simulation leaves</h2>\n");
-        sentence(
-            out,
-            "Measured less predicted of all runs, in standard deviations of the noise (σ). Of \
-             noise 95 % lie in the band from −2 to 2, without a pattern.",
+    fn residuals(&self, report: &Report<'_>) -> String {
+        let mut out = String::from(
+            "<p class=\"small\">Of noise 95 % lie in the band from −2 to 2, without a pattern.</p>\n\
+             <div class=\"charts\">\n",
         );
-        out.push_str("<div class=\"charts\">\n");
         let mut both = vec![("before", "as simulated", &self.before)];
         if !report.found.diagnosis.findings.is_empty() {
             both.push(("after", "with the causes found", &self.after));
@@ -381,7 +188,7 @@ impl Curves {
                 let _ = writeln!(out, "<div>{}</div>", chart.svg());
             }
         }
-        out.push_str("</div>\n");
+        out + "</div>\n"
     }
 
     /// Marks where the phases of a run begin, if it has several.

@@ -10,11 +10,12 @@ use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
 use super::Found;
+use super::blocks::{self, Block, Charts, Lead};
 use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, interval, misstated};
-use crate::output::{digits, grid, split, unit, with_unit};
+use crate::output::{digits, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
@@ -421,88 +422,97 @@ impl<'a> Report<'a> {
 
     /// For people.
     pub(super) fn text(&self) -> String {
+        let headline = [Block::Words(Lead::Below, self.headline())];
+        blocks::text(&headline) + &blocks::text(&self.blocks())
+    }
+
+    /// What is reported below the headline.
+    pub(super) fn blocks(&self) -> Vec<Block> {
+        use Lead::{Apart, Below, In};
         let diagnosis = &self.found.diagnosis;
-        let mut out = wrapped(&self.headline(), "");
-        for sentence in self.misstated() {
-            out += &wrapped(&sentence, "");
-        }
-        for finding in &diagnosis.findings {
-            self.finding(&mut out, finding);
-        }
-        if let Some(estimated) = self.estimated() {
-            out += "\n";
-            out += &wrapped(&estimated, "");
-        }
-        if let Some(unknown) = self.unknown() {
-            out += "\nunknown\n";
-            out += &wrapped(&unknown, "  ");
-        }
-        if let Some(left) = self.left() {
-            out += "\n";
-            out += &wrapped(&left, "");
-        }
-        if let Some(stopped) = self.stopped() {
-            out += "\n";
-            out += &wrapped(&stopped, "");
-        }
-        if let Some(small) = self.small() {
-            out += &wrapped(&small, "");
-        }
-        if let Some(worth) = self.worth() {
-            out += &wrapped(&format!("\n{worth}"), "");
-        }
-        if let Some(replan) = &self.found.replan {
-            out += "\n";
-            for line in replan.lines() {
-                out += &wrapped(&line, "");
-            }
-        }
-        out += "\nError of prediction on data that were left out of the fit (root mean square)\n\n";
-        out += &grid(&self.gains(), 1);
-        if let Some(alone) = self.alone() {
-            out += &wrapped(&alone, "  ");
-        }
-        out += "\nWhat the simulation leaves: measured less predicted, in standard deviations of \
-            the noise (σ)\n\n";
-        out += &grid(&self.residual_lines(), 2);
-        out += &self.conditions();
-        out += &wrapped(Self::MARKS, "  ");
-        out += "\nEvery cause alone: by how much it lowers the misfit\n\n";
-        if !diagnosis.tried.is_empty() {
-            out += &grid(&self.tried_lines(), 1);
-        }
-        if let Some(sentence) = self.silent() {
-            out += &wrapped(&sentence, "  ");
-        }
-        out += &wrapped(Self::MISFIT, "  ");
-        // Writing to a string does not fail.
-        let _ = writeln!(
-            out,
-            "\n{}; hash of the data {}",
-            self.size(),
-            self.found.folder.hash
+        let words = |lead, text: Option<String>| text.map(|text| Block::Words(lead, text));
+        let below = |text| Block::Words(Below, text);
+        let mut all: Vec<Block> = self.misstated().into_iter().map(below).collect();
+        all.extend(diagnosis.findings.iter().map(|it| self.finding(it)));
+        all.extend(words(Apart, self.estimated()));
+        let unknown = self.unknown().map(|text| vec![Block::Words(In, text)]);
+        all.extend(unknown.map(|words| Block::Card("unknown".into(), words)));
+        all.extend(words(Apart, self.left()));
+        all.extend(words(Apart, self.stopped()));
+        all.extend(words(Below, self.small()));
+        all.extend(words(Apart, self.worth()));
+        let replan = self.found.replan.iter().flat_map(Replan::lines);
+        let replan = replan.enumerate();
+        all.extend(replan.map(|(k, line)| Block::Words(if k == 0 { Apart } else { Below }, line)));
+        all.extend([
+            Block::Charts(Charts::Measured),
+            Block::Heading(
+                "Error of prediction on data that were left out of the fit (root mean square)",
+            ),
+            Block::Table(self.gains(), 1),
+        ]);
+        all.extend(words(In, self.alone()));
+        all.extend([
+            Block::Heading(
+                "What the simulation leaves: measured less predicted, in standard deviations of the \
+                 noise (σ)",
+            ),
+            Block::Charts(Charts::Residuals),
+            Block::Table(self.residual_lines(), 2),
+        ]);
+        all.extend(
+            self.conditions()
+                .into_iter()
+                .map(|text| Block::Words(In, text)),
         );
-        if let Some(sentence) = self.widened() {
-            out += &wrapped(&sentence, "");
+        all.push(Block::Words(In, Self::MARKS.into()));
+        all.push(Block::Heading(
+            "Every cause alone: by how much it lowers the misfit",
+        ));
+        if !diagnosis.tried.is_empty() {
+            all.push(Block::Table(self.tried_lines(), 1));
         }
-        if let Some(sentence) = self.disagree() {
-            out += &wrapped(sentence, "");
+        all.extend(words(In, self.silent()));
+        all.push(Block::Words(In, Self::MISFIT.into()));
+        let hash = &self.found.folder.hash;
+        all.push(Block::Words(
+            Apart,
+            format!("{}; hash of the data {hash}", self.size()),
+        ));
+        all.extend(words(Below, self.widened()));
+        all.extend(words(Below, self.disagree().map(str::to_owned)));
+        all.push(below(self.claims()));
+        let notes = self.found.folder.notes.iter();
+        all.extend(notes.map(|note| below(format!("note: {note}"))));
+        all.push(Block::Heading("What to do next"));
+        all.push(Block::Steps(steps(self.found)));
+        all
+    }
+
+    /// A cause that was found.
+    fn finding(&self, finding: &Finding) -> Block {
+        let into = |text| Block::Words(Lead::In, text);
+        let parameters = self.parameters_of(finding, &finding.best).into_iter();
+        let parameters = parameters.map(|(name, value)| vec![name, value]);
+        let mut all = vec![Block::List(parameters.collect())];
+        let open = (!finding.is_identifiable).then(|| Self::OPEN.to_owned());
+        all.extend(open.map(into));
+        all.extend(self.undetermined(finding).map(into));
+        all.extend(self.held_out(finding).map(into));
+        if !finding.rivals.is_empty() || finding.unlisted.is_some() {
+            all.push(into("It could as well be".into()));
+            let line = |rival: &Candidate| {
+                vec![format!("  {}", rival.title()), self.rival(finding, rival)]
+            };
+            all.push(Block::List(finding.rivals.iter().map(line).collect()));
+            let unlisted = finding.unlisted.as_ref().map(Self::unlisted);
+            all.extend(unlisted.map(|text| into(format!("{text}."))));
+            all.push(into(Self::RIVALS.into()));
+            all.extend(Self::less_likely(finding).map(into));
         }
-        out += &wrapped(&self.claims(), "");
-        for note in &self.found.folder.notes {
-            out += &wrapped(&format!("note: {note}"), "");
-        }
-        out += "\nWhat to do next\n\n";
-        for (k, step) in steps(self.found).iter().enumerate() {
-            out += &wrapped(&format!("{}. {}", k + 1, step.what), "  ");
-            // A command is one line, to be copied.
-            out.extend(
-                step.command
-                    .iter()
-                    .map(|command| format!("     {command}\n")),
-            );
-        }
-        out
+        all.extend(known::against(finding).into_iter().map(into));
+        all.extend(next_of(finding).map(into));
+        Block::Card(finding.best.title(), all)
     }
 
     /// What the extended robot is worth to the planner.
@@ -543,44 +553,6 @@ impl<'a> Report<'a> {
             law(worth.laws[0]),
             law(worth.laws[1]),
         ))
-    }
-
-    fn finding(&self, out: &mut String, finding: &Finding) {
-        let _ = writeln!(out, "\n{}", finding.best.title());
-        let lines: Vec<Vec<String>> = self
-            .parameters_of(finding, &finding.best)
-            .into_iter()
-            .map(|(n, x)| vec![n, x])
-            .collect();
-        *out += &grid(&lines, 2);
-        if !finding.is_identifiable {
-            *out += &wrapped(Self::OPEN, "  ");
-        }
-        if let Some(sentence) = self.undetermined(finding) {
-            *out += &wrapped(&sentence, "  ");
-        }
-        *out += &self
-            .held_out(finding)
-            .map_or_else(String::new, |text| wrapped(&text, "  "));
-        if !finding.rivals.is_empty() || finding.unlisted.is_some() {
-            *out += "  It could as well be\n";
-            let line = |rival: &Candidate| {
-                vec![format!("  {}", rival.title()), self.rival(finding, rival)]
-            };
-            *out += &grid(&finding.rivals.iter().map(line).collect::<Vec<_>>(), 2);
-            if let Some(term) = &finding.unlisted {
-                *out += &wrapped(&format!("{}.", Self::unlisted(term)), "    ");
-            }
-            *out += &wrapped(Self::RIVALS, "  ");
-            *out +=
-                &Self::less_likely(finding).map_or_else(String::new, |text| wrapped(&text, "  "));
-        }
-        for text in known::against(finding) {
-            *out += &wrapped(&text, "  ");
-        }
-        if let Some(next) = next_of(finding) {
-            *out += &wrapped(&next, "  ");
-        }
     }
 
     /// By how much data left out of the fit are predicted better, as a sentence; none where that is
@@ -690,23 +662,20 @@ impl<'a> Report<'a> {
     }
 
     /// Conditions that go with what differs between runs, in sentences.
-    fn conditions(&self) -> String {
+    fn conditions(&self) -> Vec<String> {
         const STRONG: f64 = 0.7;
-        let mut text = String::new();
-        for residual in self
-            .after
-            .iter()
-            .filter(|r| r.faults.contains(&"differs by run"))
-        {
+        let differ = |r: &&PhaseResidual| r.faults.contains(&"differs by run");
+        let mut all = Vec::new();
+        for residual in self.after.iter().filter(differ) {
             let (name, _) = split(&self.found.kind.channels()[residual.channel].name);
             for (condition, c) in residual.conditions.iter().filter(|(_, c)| c.abs() > STRONG) {
                 let phase = self.phase(residual);
                 let c = digits(*c, 2);
                 let go = format!("the runs' means go with {condition}");
-                let _ = writeln!(text, "  {name} in {phase}: {go} (correlation {c}).");
+                all.push(format!("{name} in {phase}: {go} (correlation {c})."));
             }
         }
-        text
+        all
     }
 
     /// Every cause alone: a header, then lines.
@@ -931,25 +900,6 @@ fn numbers(residual: &PhaseResidual) -> Vec<String> {
         number(residual.rms),
         number(residual.lag),
     ]
-}
-
-/// Lines of at most 100 characters, each after `lead`.
-fn wrapped(text: &str, lead: &str) -> String {
-    const WIDTH: usize = 100;
-    let mut out = String::new();
-    let mut line = String::new();
-    for word in text.split_whitespace() {
-        if !line.is_empty() && lead.len() + line.chars().count() + 1 + word.chars().count() > WIDTH
-        {
-            let _ = writeln!(out, "{lead}{line}");
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line += word;
-    }
-    out + &format!("{lead}{line}\n")
 }
 
 /// Which experiment would tell the rivals of a finding apart.
