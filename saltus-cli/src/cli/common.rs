@@ -408,8 +408,16 @@ impl Common {
         self.output.ready(&self.plot)
     }
 
-    /// Writes the report, the plot, if one is asked for, and more files, of each the flag, the name and the
-    /// contents: all or none.
+    /// Writes the report and the plot, if one is asked for: both or neither.
+    pub(crate) fn write(
+        &self,
+        report: String,
+        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+    ) -> Result<(), CliError> {
+        self.write_with(report, drawing, None)
+    }
+
+    /// The same with more files: the flag, the name and the contents of each.
     pub(crate) fn write_with<'a>(
         &self,
         report: String,
@@ -526,19 +534,8 @@ impl OutputFlags {
         self.out.write(report)
     }
 
-    /// Writes the report and the plot, if one is asked for: both or neither.
-    pub(crate) fn write_with_plot(
-        &self,
-        report: String,
-        option: &PlotOption,
-        drawing: impl FnOnce() -> Result<Drawing, CliError>,
-    ) -> Result<(), CliError> {
-        let none: Option<(&'static str, &Path, String)> = None;
-        self.write_with(report, option, drawing, none)
-    }
-
-    /// As [`write_with_plot`](Self::write_with_plot), with more files: the flag, the name and the
-    /// contents of each.
+    /// Writes the report, the plot, if one is asked for, and more files, of each the flag, the name and the
+    /// contents: all or none.
     pub(crate) fn write_with<'a, T: Into<Vec<u8>>>(
         &self,
         report: String,
