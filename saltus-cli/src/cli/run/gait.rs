@@ -21,7 +21,7 @@ use crate::quantity;
 
 /// Gaits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// One firing angle
     Fixed,
     /// The firing angle goes from one to another over time, A tanh(B t − C) + D
@@ -67,7 +67,7 @@ impl Aim {
 }
 
 impl Kind {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Kind::Fixed => "fixed",
             Kind::OpenLoop => "open-loop",
@@ -121,41 +121,13 @@ pub(super) enum Direction {
     Backwards,
 }
 
-/// Flags of the gait.
+/// Flags of the law by which a robot in its plane fires: those of `saltus export c --gait`, too.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Gait")]
-pub(super) struct GaitFlags {
-    /// How the firing angle is found [default: closed-loop; disc-stable for a robot in space, with --path steer]
-    #[arg(long, value_enum)]
-    pub(super) gait: Option<Kind>,
-
-    /// Heading (rad) of the line of `disc-stable`, `steer` and `recover`, to the left of the first heading [default: 0]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::heading, allow_hyphen_values = true)]
-    pub(super) heading: Option<f64>,
-
-    /// Path of `steer` and `recover`, from (0, 0): a CSV file with x_m, along the first heading, and y_m, to its left
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "heading")]
-    pub(super) path: Option<PathBuf>,
-
-    /// A robot in space knows its motion exactly, in place of what its sensors say
-    #[arg(long)]
-    pub(super) truth: bool,
-
-    /// What `saltus learn --out` wrote, in place of a gait: its best seed runs, on its robot where --robot names no other
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["gait", "zone", "taps", "direction", "valve_open"])]
-    pub(super) policy: Option<PathBuf>,
-
-    /// The seed of the policy that runs [default: the one that did best]
-    #[arg(long, value_name = "SEED", requires = "policy", value_parser = seed)]
-    pub(super) policy_seed: Option<u64>,
-
+pub(crate) struct LawFlags {
     /// Firing angle α_f (rad) of `fixed` [default: 0.1]
-    #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     pub(super) firing_angle: Option<f64>,
-
-    /// Valve opening time t_v (s), as in 40ms [default: 0.04]
-    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
-    pub(super) valve_open: Option<f64>,
 
     /// Firing angle (rad) at rest, of `open-loop` and `closed-loop` [default: 0.35, of `disc` 0.5, less where legs
     /// are close]
@@ -202,24 +174,60 @@ pub(super) struct GaitFlags {
     #[arg(long, value_enum)]
     pub(super) aim: Option<Aim>,
 
-    /// Speeds of `speed`, TIME:SPEED in s and m/s: each is held from its time on, a negative one
-    /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
-    #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
-    pub(super) speed: Option<Speeds>,
-
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     pub(super) zone: Option<f64>,
 
+    /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16. They
+    /// are divided by their sum [default: a mean of five]
+    #[arg(long, value_name = "WEIGHTS", value_parser = taps, allow_hyphen_values = true)]
+    pub(super) taps: Option<Taps>,
+}
+
+/// Flags of the gait.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Gait")]
+pub(super) struct GaitFlags {
+    /// How the firing angle is found [default: closed-loop; disc-stable for a robot in space, with --path steer]
+    #[arg(long, value_enum)]
+    pub(super) gait: Option<Kind>,
+
+    /// Heading (rad) of the line of `disc-stable`, `steer` and `recover`, to the left of the first heading [default: 0]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::heading, allow_hyphen_values = true)]
+    pub(super) heading: Option<f64>,
+
+    /// Path of `steer` and `recover`, from (0, 0): a CSV file with x_m, along the first heading, and y_m, to its left
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "heading")]
+    pub(super) path: Option<PathBuf>,
+
+    /// A robot in space knows its motion exactly, in place of what its sensors say
+    #[arg(long)]
+    pub(super) truth: bool,
+
+    /// What `saltus learn --out` wrote, in place of a gait: its best seed runs, on its robot where --robot names no other
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["gait", "zone", "taps", "direction", "valve_open"])]
+    pub(super) policy: Option<PathBuf>,
+
+    /// The seed of the policy that runs [default: the one that did best]
+    #[arg(long, value_name = "SEED", requires = "policy", value_parser = seed)]
+    pub(super) policy_seed: Option<u64>,
+
+    /// Valve opening time t_v (s), as in 40ms [default: 0.04]
+    #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
+    pub(super) valve_open: Option<f64>,
+
+    #[command(flatten)]
+    pub(super) law: LawFlags,
+
+    /// Speeds of `speed`, TIME:SPEED in s and m/s: each is held from its time on, a negative one
+    /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
+    #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
+    pub(super) speed: Option<Speeds>,
+
     /// Which way the robot runs
     #[arg(long, value_enum, default_value = "forwards")]
     pub(super) direction: Direction,
-
-    /// Weights of the rate's filter: of the newest reading, then of those before it; at most 16. They
-    /// are divided by their sum
-    #[arg(long, value_name = "WEIGHTS", value_parser = taps, default_value = "0.2,0.2,0.2,0.2,0.2", allow_hyphen_values = true)]
-    pub(super) taps: Taps,
 }
 
 /// What the flags give.
@@ -272,85 +280,18 @@ impl Learned {
     }
 }
 
-impl GaitFlags {
-    /// The gait of a robot in its plane.
-    fn own(&self) -> Kind {
-        self.gait.unwrap_or(Kind::ClosedLoop)
+impl LawFlags {
+    /// Weights of the rate's filter.
+    pub(crate) fn taps(&self) -> Vec<f64> {
+        let taps = self.taps.as_ref();
+        taps.map_or_else(|| vec![0.2; 5], |taps| taps.0.clone())
     }
 
-    /// The flag of the valve, where it is given.
-    pub(super) fn valve_flag(&self) -> Option<&'static str> {
-        self.valve_open.map(|_| "--valve-open")
-    }
-
-    /// What the flags give for `robot`.
-    pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
-        let kind = self.own();
-        if kind.is_in_space() {
-            let allowed = "used with a robot in space, whose body.shape is sphere";
-            return Err(CliError::flag("--gait", kind.name(), allowed));
-        }
-        let in_space = [
-            ("--heading", self.heading.is_some()),
-            ("--path", self.path.is_some()),
-            ("--truth", self.truth),
-        ];
-        if let Some((flag, _)) = in_space.into_iter().find(|(_, given)| *given) {
-            let allowed = "used with a robot in space, whose body.shape is sphere";
-            return Err(CliError::flag(flag, "", allowed));
-        }
-        self.meant()?;
-        let legs = robot.body.legs;
-        if !(3..=12).contains(&legs) {
-            let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
-            return Err(CliError::content(&robot.name, reason));
-        }
-        let half = 0.5 * TAU / f64::from(legs);
-        let zone = self.zone.unwrap_or(match self.own() {
-            Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
-            _ => (-0.3_f64).max(-half),
-        });
-        if zone.abs() > half {
-            let half = digits(half, 4);
-            let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
-            return Err(CliError::flag("--zone", format!("{zone} rad"), allowed));
-        }
-        let valve_open = self.valve_open.unwrap_or(0.04);
-        if valve_open > 1.0 {
-            let allowed = "from 0 to 1 s";
-            return Err(CliError::flag("--valve-open", seconds(valve_open), allowed));
-        }
-        let program = self.program(robot, zone)?;
-        self.within(&program, robot, zone)?;
-        let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
-        let words = match self.own() {
-            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Policy => self.words(&program),
-            _ => format!("{}, {open}", self.words(&program)),
-        };
-        Ok(Chosen {
-            kind: self.own(),
-            program,
-            valve_open,
-            zone,
-            forwards: self.direction == Direction::Forwards,
-            taps: self.taps.0.clone(),
-            speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
-            words,
-            obstacles: Vec::new(),
-        })
-    }
-
-    /// What was learnt, where that is to run.
-    pub(super) fn learned(&self) -> Result<Option<Learned>, CliError> {
-        let load = |path: &PathBuf| Learned::load(path, self.policy_seed);
-        self.policy.as_ref().map(load).transpose()
-    }
-
-    /// The flags that only some gaits have: which, what was given, which gaits.
-    fn meant(&self) -> Result<(), CliError> {
-        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Smooth, Speed};
-        let two = self.lines.is_none_or(|lines| lines != LinesKind::One);
-        let given: [(&'static str, bool, &[Kind]); 13] = [
+    /// Refuses flags that only other gaits than `kind` have, and a valve's time where the law says it.
+    pub(crate) fn meant(&self, kind: Option<Kind>, opens: bool) -> Result<(), CliError> {
+        use Kind::{ClosedLoop, Curve, Fixed, OpenLoop, Policy, Smooth, Speed};
+        let in_plane = [Fixed, OpenLoop, ClosedLoop, Curve, Smooth, Speed, Policy];
+        let given: [(&'static str, bool, &[Kind]); 14] = [
             ("--firing-angle", self.firing_angle.is_some(), &[Fixed]),
             ("--from", self.from.is_some(), &[OpenLoop, ClosedLoop]),
             ("--to", self.to.is_some(), &[OpenLoop, ClosedLoop]),
@@ -363,47 +304,79 @@ impl GaitFlags {
             ("--top-rate", self.top_rate.is_some(), &[ClosedLoop]),
             ("--knots", self.knots.is_some(), &[Curve]),
             ("--aim", self.aim.is_some(), &[Smooth]),
-            ("--speed", self.speed.is_some(), &[Speed]),
+            ("--zone", self.zone.is_some(), &in_plane),
+            ("--taps", self.taps.is_some(), &in_plane),
         ];
         for (flag, is_given, kinds) in given {
-            if is_given && !kinds.contains(&self.own()) {
+            if is_given && !kind.is_some_and(|kind| kinds.contains(&kind)) {
                 let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
-                let allowed = format!(
-                    "used with --gait {}, not {}",
-                    names.join(" or "),
-                    self.own().name()
-                );
+                let mut allowed = format!("used with --gait {}", names.join(" or "));
+                if let Some(kind) = kind {
+                    allowed += ", not ";
+                    allowed += kind.name();
+                }
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
+        let is_one = self.lines == Some(LinesKind::One);
         for (flag, is_given) in [
             ("--switch", self.switch.is_some()),
             ("--first-slope", self.first_slope.is_some()),
         ] {
-            if is_given && !two {
+            if is_given && is_one {
                 let allowed = "used with --lines two or jump, not one";
                 return Err(CliError::flag(flag, "", allowed));
             }
         }
-        let has_times = matches!(self.own(), Curve | Smooth | Speed);
-        if has_times && self.valve_open.is_some() {
-            let name = self.own().name();
-            let allowed = format!("left out with --gait {name}, whose law says the time");
-            return Err(CliError::flag("--valve-open", "", allowed));
+        match kind.filter(|kind| !matches!(kind, Fixed | OpenLoop | ClosedLoop)) {
+            Some(kind) if opens => {
+                let name = kind.name();
+                let allowed = format!("left out with --gait {name}, whose law says the time");
+                Err(CliError::flag("--valve-open", "", allowed))
+            }
+            _ => Ok(()),
         }
-        if self.own() == Speed && self.direction == Direction::Backwards {
-            let allowed = "left out with --gait speed, whose speeds have signs";
-            return Err(CliError::flag("--direction", "backwards", allowed));
+    }
+
+    /// The law of `kind` for `robot`, and where its zone begins (rad); speeds are measured on so many
+    /// `threads`.
+    pub(crate) fn found(
+        &self,
+        kind: Kind,
+        robot: &Robot,
+        threads: usize,
+    ) -> Result<(Program, f64), CliError> {
+        let legs = robot.body.legs;
+        if !(3..=12).contains(&legs) {
+            let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
+            return Err(CliError::content(&robot.name, reason));
         }
-        Ok(())
+        let half = 0.5 * TAU / f64::from(legs);
+        let zone = self.zone.unwrap_or(match kind {
+            Kind::Fixed | Kind::OpenLoop | Kind::Speed => 0.0,
+            _ => (-0.3_f64).max(-half),
+        });
+        if zone.abs() > half {
+            let half = digits(half, 4);
+            let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
+            return Err(CliError::flag("--zone", format!("{zone} rad"), allowed));
+        }
+        let program = self.program(kind, robot, (zone, threads))?;
+        LawFlags::within(kind, &program, (zone, 2.0 * half))?;
+        Ok((program, zone))
     }
 
     /// The program.
-    fn program(&self, robot: &Robot, zone: f64) -> Result<Program, CliError> {
+    fn program(
+        &self,
+        kind: Kind,
+        robot: &Robot,
+        (zone, threads): (f64, usize),
+    ) -> Result<Program, CliError> {
         // The legs of a robot that has many are closer than the thesis' angle.
         let pitch = TAU / f64::from(robot.body.legs);
         let first = self.from.unwrap_or(0.35_f64.min(0.9 * (zone + pitch)));
-        Ok(match self.own() {
+        Ok(match kind {
             Kind::Fixed => Program::Fixed {
                 firing_angle: self.firing_angle.unwrap_or(0.1),
             },
@@ -451,21 +424,14 @@ impl GaitFlags {
                 Program::Fixed { firing_angle: zone }
             }
             Kind::Speed => {
-                if self.speed.is_none() {
-                    return Err(CliError::Missing {
-                        flag: "--speed",
-                        allowed: "--gait speed needs TIME:SPEED, as in 0:1.5,4:3,8:-1",
-                    });
-                }
-                let law = speed_law(robot, available());
+                let law = speed_law(robot, threads);
                 Program::Curve(law.map_err(|error| refused(error, robot))?)
             }
         })
     }
 
     /// Refuses angles that lie outside the active zone.
-    fn within(&self, program: &Program, robot: &Robot, zone: f64) -> Result<(), CliError> {
-        let pitch = TAU / f64::from(robot.body.legs.max(1));
+    fn within(kind: Kind, program: &Program, (zone, pitch): (f64, f64)) -> Result<(), CliError> {
         let angles: Vec<(&'static str, f64)> = match program {
             Program::Fixed { firing_angle } => vec![("--firing-angle", *firing_angle)],
             Program::OpenLoop { first, last, .. }
@@ -479,7 +445,7 @@ impl GaitFlags {
                 ends.into_iter().chain(knots).collect()
             }
             Program::Curve(knots) => {
-                let flag = match self.own() {
+                let flag = match kind {
                     Kind::Smooth => "--gait smooth",
                     Kind::Speed => "--gait speed",
                     _ => "--knots",
@@ -504,6 +470,86 @@ impl GaitFlags {
             }
         }
         Ok(())
+    }
+}
+
+impl GaitFlags {
+    /// The gait of a robot in its plane.
+    fn own(&self) -> Kind {
+        self.gait.unwrap_or(Kind::ClosedLoop)
+    }
+
+    /// The flag of the valve, where it is given.
+    pub(super) fn valve_flag(&self) -> Option<&'static str> {
+        self.valve_open.map(|_| "--valve-open")
+    }
+
+    /// What the flags give for `robot`.
+    pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
+        let kind = self.own();
+        if kind.is_in_space() {
+            let allowed = "used with a robot in space, whose body.shape is sphere";
+            return Err(CliError::flag("--gait", kind.name(), allowed));
+        }
+        let in_space = [
+            ("--heading", self.heading.is_some()),
+            ("--path", self.path.is_some()),
+            ("--truth", self.truth),
+        ];
+        if let Some((flag, _)) = in_space.into_iter().find(|(_, given)| *given) {
+            let allowed = "used with a robot in space, whose body.shape is sphere";
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        self.meant()?;
+        let valve_open = self.valve_open.unwrap_or(0.04);
+        if valve_open > 1.0 {
+            let allowed = "from 0 to 1 s";
+            return Err(CliError::flag("--valve-open", seconds(valve_open), allowed));
+        }
+        let (program, zone) = self.law.found(kind, robot, available())?;
+        let open = format!("valve open {} ms", digits(valve_open * 1e3, 4));
+        let words = match self.own() {
+            Kind::Curve | Kind::Smooth | Kind::Speed | Kind::Policy => self.words(&program),
+            _ => format!("{}, {open}", self.words(&program)),
+        };
+        Ok(Chosen {
+            kind,
+            program,
+            valve_open,
+            zone,
+            forwards: self.direction == Direction::Forwards,
+            taps: self.law.taps(),
+            speeds: self.speed.clone().map_or_else(Vec::new, |speeds| speeds.0),
+            words,
+            obstacles: Vec::new(),
+        })
+    }
+
+    /// What was learnt, where that is to run.
+    pub(super) fn learned(&self) -> Result<Option<Learned>, CliError> {
+        let load = |path: &PathBuf| Learned::load(path, self.policy_seed);
+        self.policy.as_ref().map(load).transpose()
+    }
+
+    /// Refuses flags that only other gaits have.
+    fn meant(&self) -> Result<(), CliError> {
+        let kind = self.own();
+        self.law.meant(Some(kind), self.valve_open.is_some())?;
+        match (kind, &self.speed) {
+            (Kind::Speed, None) => Err(CliError::Missing {
+                flag: "--speed",
+                allowed: "--gait speed needs TIME:SPEED, as in 0:1.5,4:3,8:-1",
+            }),
+            (Kind::Speed, _) if self.direction == Direction::Backwards => {
+                let allowed = "left out with --gait speed, whose speeds have signs";
+                Err(CliError::flag("--direction", "backwards", allowed))
+            }
+            (kind, Some(_)) if kind != Kind::Speed => {
+                let allowed = format!("used with --gait speed, not {}", kind.name());
+                Err(CliError::flag("--speed", "", allowed))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn words(&self, program: &Program) -> String {
@@ -552,7 +598,7 @@ impl GaitFlags {
             ),
             Program::Curve(_) if self.own() == Kind::Smooth => format!(
                 "smooth, {}",
-                match self.aim.unwrap_or(Aim::Quick) {
+                match self.law.aim.unwrap_or(Aim::Quick) {
                     Aim::Quick => "quick from rest",
                     Aim::Sparing => "sparing of gas",
                 }

@@ -11,7 +11,7 @@ mod recorder;
 mod report;
 mod rows;
 mod telemetry;
-pub(super) mod values;
+mod values;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -38,8 +38,8 @@ use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
 pub(crate) use ensemble::{in_words, share};
 use follow::{Follower, OnTheWay, Thinned};
-pub(crate) use gait::Aim;
 use gait::{Chosen, GaitFlags};
+pub(crate) use gait::{Kind, LawFlags};
 use held::Held;
 use recorder::Recorder;
 use rows::{Columns, Rows};
@@ -50,7 +50,11 @@ const LONGEST_FILM: f64 = 60.0;
 
 /// Run a robot: five legs fired in turn by the controller, in the multi-body simulation
 #[derive(Args, Debug)]
-#[command(after_help = "`saltus run --help` explains the output.", after_long_help = LONG_HELP)]
+#[command(
+    after_help = "`saltus run --help` explains the output.",
+    after_long_help = LONG_HELP,
+    mut_arg("firing_angle", |angle| angle.visible_alias("alpha-f"))
+)]
 pub(crate) struct Run {
     #[command(flatten)]
     gait: GaitFlags,

@@ -128,24 +128,24 @@ impl GaitFlags {
         }
         let of_the_disc = [
             ("--valve-open", self.valve_open.is_some()),
-            ("--from", self.from.is_some()),
-            ("--to", self.to.is_some()),
-            ("--steepness", self.steepness.is_some()),
-            ("--shift", self.shift.is_some()),
-            ("--centre", self.centre.is_some()),
-            ("--zone", self.zone.is_some()),
+            ("--from", self.law.from.is_some()),
+            ("--to", self.law.to.is_some()),
+            ("--steepness", self.law.steepness.is_some()),
+            ("--shift", self.law.shift.is_some()),
+            ("--centre", self.law.centre.is_some()),
+            ("--zone", self.law.zone.is_some()),
         ];
         let of_the_plane = [
-            ("--firing-angle", self.firing_angle.is_some()),
-            ("--lines", self.lines.is_some()),
-            ("--switch", self.switch.is_some()),
-            ("--first-slope", self.first_slope.is_some()),
-            ("--top-rate", self.top_rate.is_some()),
-            ("--knots", self.knots.is_some()),
-            ("--aim", self.aim.is_some()),
+            ("--firing-angle", self.law.firing_angle.is_some()),
+            ("--lines", self.law.lines.is_some()),
+            ("--switch", self.law.switch.is_some()),
+            ("--first-slope", self.law.first_slope.is_some()),
+            ("--top-rate", self.law.top_rate.is_some()),
+            ("--knots", self.law.knots.is_some()),
+            ("--aim", self.law.aim.is_some()),
             ("--speed", self.speed.is_some()),
             ("--direction", self.direction != Direction::Forwards),
-            ("--taps", self.taps.0 != [0.2; 5]),
+            ("--taps", self.law.taps.is_some()),
         ];
         if let Some(flag) = first(&of_the_plane) {
             return Err(in_its_plane(flag));
@@ -170,12 +170,12 @@ impl GaitFlags {
 
     /// The thesis' disc.
     fn fires(&self) -> Fires {
-        let shift = self.shift.unwrap_or(3.0);
+        let shift = self.law.shift.unwrap_or(3.0);
         let program = Program::OpenLoop {
-            first: self.from.unwrap_or(0.5),
-            last: self.to.unwrap_or(0.0),
-            slope: self.steepness.unwrap_or(2.1),
-            centre: match self.centre.unwrap_or(Reading::Printed) {
+            first: self.law.from.unwrap_or(0.5),
+            last: self.law.to.unwrap_or(0.0),
+            slope: self.law.steepness.unwrap_or(2.1),
+            centre: match self.law.centre.unwrap_or(Reading::Printed) {
                 Reading::Printed => Centre::Printed(shift),
                 Reading::Seconds => Centre::Seconds(shift),
             },
@@ -183,7 +183,7 @@ impl GaitFlags {
         Fires {
             program,
             valve_open: self.valve_open.unwrap_or(0.05),
-            zone: self.zone.unwrap_or(-0.3),
+            zone: self.law.zone.unwrap_or(-0.3),
         }
     }
 }
