@@ -19,6 +19,7 @@ const LONG: &[(&str, &str)] = &[
     ),
     ("plan", "nowhere.toml"),
     ("verify", "nowhere.toml"),
+    ("run", "--gait smooth --seconds 1000 --exact"),
     ("run", "--gait fixed --seconds 1000 --robots 1000 --exact"),
     ("run", "--robot rats-twelve --seconds 60 --robots 1000"),
     (
