@@ -27,6 +27,7 @@ mod table;
 mod target;
 mod terms;
 mod verify;
+mod with;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -63,7 +64,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
-  saltus run --gait closed-loop --seconds 5 --plot run.svg
+  saltus run closed-loop --seconds 5 --plot run.svg
   saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5
   saltus jump --obstacle 0.16x0.21@1.3
   saltus learn run-zone --out policy.json --plot curve.svg
