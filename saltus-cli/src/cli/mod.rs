@@ -120,7 +120,7 @@ commands! {
 pub(crate) enum Unparsed {
     /// It asks for help, or is wrong.
     Refused(clap::Error),
-    /// It asks for what has moved.
+    /// It asks for what has moved, or names no gait.
     Moved(CliError),
 }
 
@@ -149,8 +149,8 @@ impl Cli {
     /// What `clap` says, or where what they ask for has moved.
     pub(crate) fn parsed(words: &[OsString]) -> Result<Cli, Unparsed> {
         let line = std::iter::once("saltus".into()).chain(words.iter().cloned());
-        Cli::try_parse_from(line).map_err(|error| match moved::refused(words) {
-            Some(moved) if error.use_stderr() => Unparsed::Moved(moved),
+        Cli::try_parse_from(line).map_err(|error| match known(words) {
+            Some(known) if error.use_stderr() => Unparsed::Moved(known),
             _ => Unparsed::Refused(error),
         })
     }
@@ -159,6 +159,11 @@ impl Cli {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.command.run()
     }
+}
+
+/// What is known to be wrong with words that are no command line.
+fn known(words: &[OsString]) -> Option<CliError> {
+    moved::refused(words).or_else(|| run::without_gait(words))
 }
 
 /// Parses the command line, runs its command and says how it went.

@@ -87,9 +87,13 @@ impl Flashed {
     fn write<R: Number>(&self, flags: &GaitFlags) -> Result<Status, CliError> {
         let ball = || flags.robot.any_robot_or("rats-twelve");
         let (files, about) = match self {
-            Flashed::Law(With { of, flags: senses, .. }) => running::<R>(of, senses, flags)?,
+            Flashed::Law(With {
+                of, flags: senses, ..
+            }) => running::<R>(of, senses, flags)?,
             Flashed::Speed(senses) => running::<R>(&Law::Speed, senses, flags)?,
-            Flashed::DiscStable => rolling(&ball()?, |robot| BallFiles::new::<R>(robot, &Stable::default()))?,
+            Flashed::DiscStable => rolling(&ball()?, |robot| {
+                BallFiles::new::<R>(robot, &Stable::default())
+            })?,
             Flashed::Steer => rolling(&ball()?, |robot| {
                 BallFiles::steered::<R>(robot, &Steered::towards(0.0))
             })?,

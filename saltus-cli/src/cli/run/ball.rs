@@ -111,7 +111,10 @@ impl InSpace {
                 }
             }
             (None, Format::Json) => {
-                files.report(self.flags.output.out(), output::json(&self.report(robot, &came)));
+                files.report(
+                    self.flags.output.out(),
+                    output::json(&self.report(robot, &came)),
+                );
             }
             (None, _) => files.report(self.flags.output.out(), self.text(robot, &came)),
         }

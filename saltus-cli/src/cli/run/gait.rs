@@ -387,11 +387,7 @@ impl Law {
     }
 
     /// The law for `robot`, and where its zone begins (rad).
-    pub(crate) fn found(
-        &self,
-        robot: &Robot,
-        senses: &Senses,
-    ) -> Result<(Program, f64), CliError> {
+    pub(crate) fn found(&self, robot: &Robot, senses: &Senses) -> Result<(Program, f64), CliError> {
         let legs = robot.body.legs;
         if !(3..=12).contains(&legs) {
             let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
@@ -423,9 +419,7 @@ impl Law {
                 let first = law.tanh.ends.from.unwrap_or(close);
                 law.tanh.program(first, Reading::Seconds)
             }
-            Law::ClosedLoop(law) => {
-                Program::ClosedLoop(law.lines(law.ends.from.unwrap_or(close))?)
-            }
+            Law::ClosedLoop(law) => Program::ClosedLoop(law.lines(law.ends.from.unwrap_or(close))?),
             Law::Curve(law) => Program::Curve(law.knots.0.clone()),
             Law::Smooth(law) => law.aim.law().program(),
             Law::Speed => {

@@ -13,6 +13,7 @@ mod rows;
 mod telemetry;
 mod values;
 
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -24,9 +25,7 @@ use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
 use super::Status;
-use super::common::{
-    OutputFlags, PlotOption, Threads, any_robot, page_file, robot, seed,
-};
+use super::common::{OutputFlags, PlotOption, Threads, any_robot, page_file, robot, seed};
 use super::disturb::{self, Typed};
 use super::film::Film;
 use super::recorded::McapOption;
@@ -37,10 +36,10 @@ use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
-use follow::{Follower, OnTheWay, Thinned};
 use ball::{Ball, InSpace};
-pub(crate) use gait::{Law, Senses};
+use follow::{Follower, OnTheWay, Thinned};
 use gait::{Chosen, Plane};
+pub(crate) use gait::{Law, Senses};
 use held::Held;
 use recorder::Recorder;
 use rows::{Columns, Rows};
@@ -281,6 +280,21 @@ impl Run {
     }
 }
 
+/// That the words of a line name no gait.
+pub(crate) fn without_gait(words: &[OsString]) -> Option<CliError> {
+    let [command, first, ..] = words else {
+        return None;
+    };
+    if command != "run" || Gait::has_subcommand(&first.to_string_lossy()) {
+        return None;
+    }
+    let all = Gait::augment_subcommands(clap::Command::new("run"));
+    let names: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
+    let names = names.join(", ");
+    let allowed = format!("a gait, as in saltus run closed-loop --seconds 5: {names}");
+    Some(CliError::flag("run", first.to_string_lossy(), allowed))
+}
+
 /// That `robot` does not have `gait`.
 fn unsuited(robot: &Robot, gait: &str) -> CliError {
     let (its, other) = match robot.space {
@@ -481,9 +495,7 @@ impl RunFlags {
     fn robot(&self, learnt: Option<&Robot>, usual: &str) -> Result<Robot, CliError> {
         match (&self.robot, learnt) {
             (None, Some(own)) if self.overrides.is_empty() => Ok(own.clone()),
-            (None, Some(own)) => {
-                Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?)
-            }
+            (None, Some(own)) => Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?),
             (name, _) => any_robot(name.as_deref().unwrap_or(usual), &self.overrides),
         }
     }

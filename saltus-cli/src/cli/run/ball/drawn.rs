@@ -94,7 +94,12 @@ impl InSpace {
     fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
         let mut text = self.head(&setup.robot);
         let s = if runs.len() == 1 { "" } else { "s" };
-        let _ = writeln!(text, ", {} drawn robot{s}, seed {}", runs.len(), self.flags.seed);
+        let _ = writeln!(
+            text,
+            ", {} drawn robot{s}, seed {}",
+            runs.len(),
+            self.flags.seed
+        );
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };
