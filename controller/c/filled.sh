@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The code of a running robot and of a ball as `saltus export c --gait`, and that of `saltus export policy`, without the head that names
+# The code of a running robot and of a ball as `saltus export gait`, and that of `saltus export policy`, without the head that names
 # the robot, and without a policy's table.
 #
 #     bash controller/c/filled.sh float|double FOLDER

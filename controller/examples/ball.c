@@ -1,5 +1,5 @@
 /*
- * The control loop of a ball, after `saltus export c --gait disc-stable --out ball`, which rolls straight on, or `--gait steer`, which follows
+ * The control loop of a ball, after `saltus export gait disc-stable --out ball`, which rolls straight on, or `steer`, which follows
  * a path of points:
  *
  *     cc -std=c99 -Iball ball.c ball/saltus_ball.c -lm -o ball_loop

@@ -50,8 +50,8 @@ CALLS: dict[str, tuple[Callable[[], saltus.Answer], list[str]]] = {
         lambda: saltus.verify(law=(-0.12, 0.38), omega_rad_s=[4, 5], distance_m=0.6, samples=5),
         "verify --law=-0.12,0.38 --omega 4,5 --distance 0.6 --samples 5".split(),
     ),
-    "run": (lambda: saltus.run(seconds=2, disturb=["torque=5@0.5:0.7s"]), "run --seconds 2 --disturb torque=5@0.5:0.7s".split()),
-    "robots": (lambda: saltus.run(seconds=1, robots=3, gait="fixed"), "run --seconds 1 --robots 3 --gait fixed".split()),
+    "run": (lambda: saltus.run(seconds=2, disturb=["torque=5@0.5:0.7s"]), "run closed-loop --seconds 2 --disturb torque=5@0.5:0.7s".split()),
+    "robots": (lambda: saltus.run(seconds=1, robots=3, gait="fixed"), "run fixed --seconds 1 --robots 3".split()),
     "jump": (
         lambda: saltus.jump_over("0.02x0.1@1:3", runs=2, rounds=1, robots=2),
         "jump --obstacle 0.02x0.1@1:3 --runs 2 --rounds 1 --robots 2".split(),
@@ -109,7 +109,7 @@ def test_what_was_learnt_runs_and_is_exported(command: Command, tmp_path: Path) 
     policy = tmp_path / "policy.json"
     policy.write_text(saltus.learn("run-zone", episodes=6, seeds=2).json)
     answer = saltus.run(policy=policy, seconds=1)
-    assert answer.json == command("run", "--policy", str(policy), *"--seconds 1 --format json".split()).out
+    assert answer.json == command("run", "policy", str(policy), *"--seconds 1 --format json".split()).out
     about = saltus.export_policy(policy, out=tmp_path / "python")
     assert command("export", "policy", str(policy), "--out", tmp_path / "shell").out == about
     assert (tmp_path / "python" / "saltus_policy.h").read_bytes() == (tmp_path / "shell" / "saltus_policy.h").read_bytes()
@@ -205,7 +205,7 @@ def test_files_are_written_whole(command: Command, tmp_path: Path) -> None:
     saltus.plan(BOX, plot=plot)
     saltus.run(seconds=0.5, gait="fixed", mcap=mcap)
     assert plot.read_bytes().startswith(b"<svg") and mcap.read_bytes().startswith(b"\x89MCAP")
-    assert command(*"run --seconds 0.5 --gait fixed --mcap".split(), tmp_path / "shell.mcap").code in (0, 1)
+    assert command(*"run fixed --seconds 0.5 --mcap".split(), tmp_path / "shell.mcap").code in (0, 1)
 
 
 def test_a_run_has_its_cycles() -> None:

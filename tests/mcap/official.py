@@ -181,7 +181,7 @@ def stands(binary, folder):
     file = folder / "rest.mcap"
     # It stands until the first leg that fires moves, its delay and the filling of its chamber later.
     rest = 5_000_000  # ns
-    words = ["run", "--robot", "rats-planar", "--gait", "fixed", "--seconds", "0.1"]
+    words = ["run", "fixed", "--robot", "rats-planar", "--seconds", "0.1"]
     command(binary, *words, "--mcap", file, codes=(0, 1))
     topics, _ = decoded(file)
     frames = dict(topics["/tf"])
@@ -202,7 +202,7 @@ def stands(binary, folder):
 
 
 def run(binary, folder):
-    words = ["run", "--gait", "closed-loop", "--seconds", "2", "--robot", "rats-run"]
+    words = ["run", "closed-loop", "--seconds", "2", "--robot", "rats-run"]
     file = twice(binary, folder, "run", *words)
     telemetry = folder / "telemetry"
     command(binary, *words, "--telemetry", telemetry)
@@ -375,7 +375,7 @@ def converted(binary, folder):
     """A run as a rosbag2 of standard messages, and its diagnosis."""
     telemetry = folder / "ticks"
     # Valves switch at whole cycles, so that all times are whole ns.
-    words = ["run", "--gait", "fixed", "--seconds", "4", "--disturb", "torque=5@0.5:0.7s"]
+    words = ["run", "fixed", "--seconds", "4", "--disturb", "torque=5@0.5:0.7s"]
     command(binary, *words, "--telemetry", telemetry, codes=(0, 1))
     rows, store = table(telemetry / "run.csv"), fixtures.STORE
     target = folder / "ticks-mcap"

@@ -98,7 +98,7 @@ def time_to_goal(robot, learnt, rng):
 
 def ours(binary, path, seed, across):
     """The same by `saltus run`."""
-    words = [binary, "run", "--policy", str(path), "--seconds", str(LONGEST), "--seed", str(seed)]
+    words = [binary, "run", "policy", str(path), "--seconds", str(LONGEST), "--seed", str(seed)]
     words += ["--set", f"ground.across_friction={across}"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     found = re.search(r"1\.6 m +reached at ([0-9.]+) s", done.stdout)

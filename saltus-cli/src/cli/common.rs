@@ -172,7 +172,7 @@ pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError>
     let robot = any_robot(name, overrides)?;
     if robot.space.is_some() {
         let reason = "body.shape = sphere: must be wheel for this command; a robot in space rolls by `saltus run` and jumps by \
-                      `saltus jump`; `saltus export mjcf`, `urdf` and `c --gait disc-stable` write it for other programs";
+                      `saltus jump`; `saltus export mjcf`, `urdf` and `gait disc-stable` write it for other programs";
         return Err(CliError::content(name, reason));
     }
     Ok(robot)

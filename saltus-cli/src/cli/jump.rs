@@ -78,7 +78,7 @@ that clears the solid box, each at a front of its own, and the share of these th
 
 With one FRONT, the robot stands on two feet. Each leg that accelerates has a firing angle and a valve opening time; the next one jumps at \
 α_f = A ω + B, where ω is the rate that its gyro has after its touch-down, with its valve open past the end of the stroke. \
-These numbers are sought by the cross-entropy method on robots that are drawn as `saltus run --robots` draws them, for their \
+These numbers are sought by the cross-entropy method on robots that are drawn as `saltus run fixed --robots` draws them, for their \
 clearance: the least distance between the box and feet, rods and struts. Then other robots try them on the solid box.
 
 The answer is the share that comes to the other side without touching the box, with its 95 % interval (Wilson), and the \

@@ -27,6 +27,7 @@ mod table;
 mod target;
 mod terms;
 mod verify;
+mod with;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -63,7 +64,7 @@ Examples:
   saltus map --omega 2:7:51 --alpha-f -0.5:0.5:41 --plot map.png
   saltus plan course.toml --plot plan.svg
   saltus verify course.toml --plant rats-boom --friction 0.3:1:8
-  saltus run --gait closed-loop --seconds 5 --plot run.svg
+  saltus run closed-loop --seconds 5 --plot run.svg
   saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5
   saltus jump --obstacle 0.16x0.21@1.3
   saltus learn run-zone --out policy.json --plot curve.svg
@@ -119,7 +120,7 @@ commands! {
 pub(crate) enum Unparsed {
     /// It asks for help, or is wrong.
     Refused(clap::Error),
-    /// It asks for what has moved.
+    /// It asks for what has moved, or names no gait.
     Moved(CliError),
 }
 
@@ -148,8 +149,8 @@ impl Cli {
     /// What `clap` says, or where what they ask for has moved.
     pub(crate) fn parsed(words: &[OsString]) -> Result<Cli, Unparsed> {
         let line = std::iter::once("saltus".into()).chain(words.iter().cloned());
-        Cli::try_parse_from(line).map_err(|error| match moved::refused(words) {
-            Some(moved) if error.use_stderr() => Unparsed::Moved(moved),
+        Cli::try_parse_from(line).map_err(|error| match known(words) {
+            Some(known) if error.use_stderr() => Unparsed::Moved(known),
             _ => Unparsed::Refused(error),
         })
     }
@@ -158,6 +159,11 @@ impl Cli {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.command.run()
     }
+}
+
+/// What is known to be wrong with words that are no command line.
+fn known(words: &[OsString]) -> Option<CliError> {
+    moved::refused(words).or_else(|| run::without_gait(words))
 }
 
 /// Parses the command line, runs its command and says how it went.

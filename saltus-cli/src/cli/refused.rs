@@ -25,7 +25,7 @@ pub(crate) fn refused(error: GaitError, robot: &Robot) -> CliError {
                 "valve opening time (s)" => "--valve-open",
                 "firing angle (rad)" => "--first-slope, --switch",
                 "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
-                "length of the boom (m)" | "speeds measured (m/s)" => "--gait speed",
+                "length of the boom (m)" | "speeds measured (m/s)" => "speed",
                 "B (1/s)" => "--steepness",
                 "C" => "--shift",
                 _ => "--disturb",

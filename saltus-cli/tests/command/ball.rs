@@ -14,16 +14,12 @@ fn answer(folder: &Folder, line: &str, code: i32) -> Value {
 #[test]
 fn the_thesis_disc_runs_straight_in_its_plane() {
     let folder = Folder::new("ball-disc");
-    let all = answer(
-        &folder,
-        "run --robot rats-twelve --gait disc --seconds 3",
-        0,
-    );
+    let all = answer(&folder, "run disc --robot rats-twelve --seconds 3", 0);
     assert_eq!(all["by_sensors"], false);
     assert!(all["travel_m"].as_f64().unwrap() > 3.0, "{all}");
     assert!(all["most_aside_m"].as_f64().unwrap() < 1e-3, "{all}");
     // Too weak a leg does not get it going.
-    let weak = "run --robot rats-twelve --gait disc --seconds 2 --set leg.force_n=60";
+    let weak = "run disc --robot rats-twelve --seconds 2 --set leg.force_n=60";
     let all = answer(&folder, weak, 1);
     assert!(all["travel_m"].as_f64().unwrap() < 0.7, "{all}");
     assert_eq!(all["ending"], "stands");
@@ -32,7 +28,10 @@ fn the_thesis_disc_runs_straight_in_its_plane() {
 #[test]
 fn rows_hold_unit_quaternions_and_what_the_sensors_make_of_them() {
     let folder = Folder::new("ball-rows");
-    let (header, all) = rows(&folder.done("run --robot rats-twelve --seconds 1 --format csv", 0));
+    let (header, all) = rows(&folder.done(
+        "run disc-stable --robot rats-twelve --seconds 1 --format csv",
+        0,
+    ));
     let column = |name: &str| header.iter().position(|column| column == name).unwrap();
     let (w, e) = (column("quaternion_w"), column("estimated_quaternion_w"));
     assert_eq!(all.len(), 1001);
@@ -57,7 +56,7 @@ fn rows_hold_unit_quaternions_and_what_the_sensors_make_of_them() {
 #[test]
 fn drawn_balls_are_the_same_for_any_number_of_threads() {
     let folder = Folder::new("ball-robots");
-    let line = "run --robot rats-twelve --seconds 3 --robots 5 --seed 2";
+    let line = "run disc-stable --robot rats-twelve --seconds 3 --robots 5 --seed 2";
     for format in ["text", "json", "csv"] {
         let one = folder.done(&format!("{line} --format {format} --threads 1"), 0);
         let more = folder.done(&format!("{line} --format {format} --threads 3"), 0);
@@ -72,7 +71,8 @@ fn drawn_balls_are_the_same_for_any_number_of_threads() {
 fn a_fall_is_an_answer() {
     let folder = Folder::new("ball-fall");
     // So far off its middle that no twins hold it.
-    let line = "run --robot rats-twelve --seconds 20 --set body.center_of_mass_mm=[20,20,20]";
+    let line =
+        "run disc-stable --robot rats-twelve --seconds 20 --set body.center_of_mass_mm=[20,20,20]";
     let all = answer(&folder, line, 1);
     let ending = all["ending"].as_str().unwrap();
     assert!(["fell", "stands"].contains(&ending), "{all}");
@@ -87,7 +87,7 @@ const SQUARE: &str = "x_m,y_m\n3,0\n3,3\n0,3\n0,0\n";
 fn a_ball_follows_a_path_and_ends_where_it_ends() {
     let folder = Folder::new("ball-path");
     folder.write("square.csv", SQUARE);
-    let line = "run --robot rats-twelve --path square.csv --seconds 90";
+    let line = "run steer --robot rats-twelve --path square.csv --seconds 90";
     let all = answer(&folder, line, 0);
     assert_eq!(all["gait"], "steer");
     assert_eq!(all["ending"], "arrived");
@@ -99,9 +99,12 @@ fn a_ball_follows_a_path_and_ends_where_it_ends() {
     assert!(time > 8.0 && time < 90.0 && all["way_m"].as_f64().unwrap() > 10.0);
     assert!(all["set_out"].as_u64().unwrap() > 1, "{all}");
     // Cut short, it says how far it came.
-    let text = folder.done("run --robot rats-twelve --path square.csv --seconds 2", 1);
+    let text = folder.done(
+        "run steer --robot rats-twelve --path square.csv --seconds 2",
+        1,
+    );
     assert!(text.contains("of 4 points reached"), "{text}");
-    let drawn = "run --robot rats-twelve --path square.csv --seconds 3 --robots 3";
+    let drawn = "run steer --robot rats-twelve --path square.csv --seconds 3 --robots 3";
     let one = folder.done(&format!("{drawn} --threads 1"), 0);
     assert_eq!(one, folder.done(&format!("{drawn} --threads 2"), 0));
     assert!(one.contains("came to its path's end   0 of 3"), "{one}");
@@ -110,7 +113,7 @@ fn a_ball_follows_a_path_and_ends_where_it_ends() {
 #[test]
 fn a_ball_that_is_thrown_down_runs_again() {
     let folder = Folder::new("ball-recover");
-    let line = "run --robot rats-twelve --gait recover --seconds 10";
+    let line = "run recover --robot rats-twelve --seconds 10";
     let mut places = Vec::new();
     for seed in 1..=2 {
         let all = answer(&folder, &format!("{line} --seed {seed}"), 0);
@@ -119,7 +122,7 @@ fn a_ball_that_is_thrown_down_runs_again() {
     }
     // Each seed throws it otherwise.
     assert!(places[0] != places[1]);
-    let text = folder.done("run --robot rats-twelve --gait recover --seconds 0.3", 1);
+    let text = folder.done("run recover --robot rats-twelve --seconds 0.3", 1);
     assert!(text.contains("does not run again in 0.3 s"), "{text}");
 }
 
@@ -128,17 +131,17 @@ fn a_plot_of_a_ball_shows_its_track() {
     let folder = Folder::new("ball-plot");
     folder.write("square.csv", SQUARE);
     for line in [
-        "--gait disc",
-        "--heading 20deg",
-        "--gait steer",
-        "--path square.csv",
+        "disc",
+        "disc-stable --heading 20deg",
+        "steer",
+        "steer --path square.csv",
     ] {
-        let line = format!("run --robot rats-twelve {line} --seconds 0.5 --plot track.svg");
+        let line = format!("run {line} --robot rats-twelve --seconds 0.5 --plot track.svg");
         folder.run(&line.split(' ').collect::<Vec<_>>());
         let svg = folder.read("track.svg");
         assert!(svg.contains("From above") && !svg.contains("NaN"), "{line}");
         // A line of another heading begins where the robot has turned to it.
-        let is_followed = line.contains("steer") || line.contains("path");
+        let is_followed = line.contains("steer");
         assert_eq!(svg.contains("to follow"), is_followed, "{line}");
         std::fs::remove_file(folder.path("track.svg")).unwrap();
     }
@@ -149,9 +152,9 @@ fn a_plot_of_a_ball_shows_its_track() {
 fn a_page_and_a_recording_change_no_number() {
     let folder = Folder::new("ball-beside");
     for line in [
-        "run --robot rats-twelve --seconds 2 --format csv",
-        "run --robot rats-twelve --gait disc --seconds 2 --format csv",
-        "run --robot rats-twelve --seconds 2 --step 0.5ms --format csv",
+        "run disc-stable --robot rats-twelve --seconds 2 --format csv",
+        "run disc --robot rats-twelve --seconds 2 --format csv",
+        "run disc-stable --robot rats-twelve --seconds 2 --step 0.5ms --format csv",
     ] {
         let alone = folder.done(line, 0);
         for name in ["a", "b"] {
@@ -193,7 +196,7 @@ fn recorded(bytes: &[u8], paths: &[String]) -> BTreeMap<String, Vec<f64>> {
 #[test]
 fn a_recording_has_the_numbers_of_the_rows() {
     let folder = Folder::new("ball-mcap");
-    let line = "run --robot rats-twelve --seconds 1.5 --format csv --mcap run.mcap";
+    let line = "run disc-stable --robot rats-twelve --seconds 1.5 --format csv --mcap run.mcap";
     let (header, all) = rows(&folder.done(line, 0));
     let column = |name: &str| -> Vec<f64> {
         let at = header.iter().position(|column| column == name).unwrap();
@@ -273,7 +276,7 @@ fn a_recording_has_the_numbers_of_the_rows() {
 #[test]
 fn telemetry_of_a_ball_is_a_folder_with_readings() {
     let folder = Folder::new("ball-telemetry");
-    let line = "run --robot rats-twelve --heading 10deg --seconds 0.5 --seed 4 --format csv --mcap run.mcap";
+    let line = "run disc-stable --robot rats-twelve --heading 10deg --seconds 0.5 --seed 4 --format csv --mcap run.mcap";
     let alone = folder.done(line, 0);
     assert!(folder.done(&format!("{line} --telemetry logs"), 0) == alone);
     assert!(folder.read("logs/cycles.csv") == alone);
@@ -294,12 +297,12 @@ fn telemetry_of_a_ball_is_a_folder_with_readings() {
     assert!((feels(0) - 9.80665).abs() < 0.01 && feels(200) < 0.01);
     let settings = folder.read("logs/settings.toml");
     assert!(settings.contains("gait = \"disc-stable\"") && settings.contains("seed = 4"));
-    let again = "run --robot logs/robot.toml --heading 10deg --seconds 0.5 --seed 4 --format csv";
+    let again = "run disc-stable --robot logs/robot.toml --heading 10deg --seconds 0.5 --seed 4 --format csv";
     assert!(folder.done(again, 0) == alone);
     let run = folder.run(&["diagnose", "logs"]);
     assert_eq!(run.code, Some(2), "{}", run.err);
     let run = folder.run(
-        &"run --robot rats-twelve --telemetry logs"
+        &"run disc-stable --robot rats-twelve --telemetry logs"
             .split(' ')
             .collect::<Vec<_>>(),
     );
@@ -311,7 +314,7 @@ fn telemetry_of_a_ball_is_a_folder_with_readings() {
 #[test]
 fn a_recording_has_the_valves() {
     let folder = Folder::new("ball-mcap-valves");
-    let line = "run --robot rats-twelve --gait disc --seconds 2 --format csv --mcap run.mcap";
+    let line = "run disc --robot rats-twelve --seconds 2 --format csv --mcap run.mcap";
     let (header, all) = rows(&folder.done(line, 0));
     let at = |name: &str| header.iter().position(|column| column == name).unwrap();
     let (fired, twin, open) = (at("fired_leg"), at("fired_twin"), at("valve_open_s"));
@@ -341,114 +344,122 @@ fn a_recording_has_the_valves() {
 
 /// Words after `saltus run`, and what the message must contain.
 const CASES: &[(&str, &[&str])] = &[
-    ("--gait disc", &["--gait disc", "a robot in space"]),
-    ("--heading 10deg", &["--heading", "a robot in space"]),
-    ("--truth", &["--truth", "a robot in space"]),
     (
-        "--robot rats-twelve --gait fixed",
-        &["--gait fixed", "disc, disc-stable, steer or recover"],
+        "disc --robot rats-run",
+        &["rats-run", "sphere, for the gait disc"],
     ),
     (
-        "--robot rats-twelve --gait disc --heading 1",
-        &[
-            "--heading",
-            "--gait disc-stable, steer or recover, not disc",
-        ],
+        "fixed --heading 10deg",
+        &["unexpected argument '--heading'"],
+    ),
+    ("fixed --truth", &["unexpected argument '--truth'"]),
+    (
+        "fixed --robot rats-twelve",
+        &["rats-twelve", "wheel, for the gait fixed"],
     ),
     (
-        "--robot rats-twelve --zone 0",
-        &["--zone", "--gait disc, not disc-stable"],
+        "disc --robot rats-twelve --heading 1",
+        &["unexpected argument '--heading'"],
     ),
     (
-        "--robot rats-twelve --heading nan",
+        "disc-stable --robot rats-twelve --zone 0",
+        &["unexpected argument '--zone'"],
+    ),
+    (
+        "disc-stable --robot rats-twelve --heading nan",
         &["--heading", "an angle"],
     ),
     (
-        "--robot rats-twelve --heading 181deg",
+        "disc-stable --robot rats-twelve --heading 181deg",
         &["--heading", "181deg", "from -pi to pi rad"],
     ),
-    ("--path p.csv", &["--path", "a robot in space"]),
-    ("--gait recover", &["--gait recover", "a robot in space"]),
-    ("--robot rats-twelve --path no.csv", &["no.csv"]),
     (
-        "--robot rats-twelve --gait disc --path p.csv",
-        &["--path", "--gait steer or recover, not disc"],
+        "steer --robot rats-boom --path p.csv",
+        &["rats-boom", "sphere, for the gait steer"],
+    ),
+    ("steer --robot rats-twelve --path no.csv", &["no.csv"]),
+    (
+        "disc --robot rats-twelve --path p.csv",
+        &["unexpected argument '--path'"],
     ),
     (
-        "--robot rats-twelve --path p.csv --heading 1",
+        "steer --robot rats-twelve --path p.csv --heading 1",
         &["--path", "--heading"],
     ),
     (
-        "--robot rats-twelve --gait steer --zone 0",
-        &["--zone", "--gait disc, not steer"],
+        "steer --robot rats-twelve --zone 0",
+        &["unexpected argument '--zone'"],
     ),
     (
-        "--robot rats-twelve --speed 0:1",
-        &["--speed", "a robot in its plane"],
+        "disc-stable --robot rats-twelve --speed 0:1",
+        &["unexpected argument '--speed'"],
     ),
     (
-        "--robot rats-twelve --disturb torque=5@1:2s",
-        &["--disturb", "a robot in its plane"],
+        "disc-stable --robot rats-twelve --disturb torque=5@1:2s",
+        &["unexpected argument '--disturb'"],
     ),
     (
-        "--robot rats-twelve --bears 3",
+        "disc-stable --robot rats-twelve --bears 3",
         &["--bears", "--bin bears steer 40"],
     ),
     (
-        "--robot rats-twelve --animate x.txt",
+        "disc-stable --robot rats-twelve --animate x.txt",
         &["--animate", "the name must end in .html"],
     ),
     (
-        "--robot rats-twelve --animate x.html --seconds 61",
+        "disc-stable --robot rats-twelve --animate x.html --seconds 61",
         &["--animate", "--seconds 60 at most, not 61"],
     ),
     (
-        "--robot rats-twelve --animate no/x.html",
+        "disc-stable --robot rats-twelve --animate no/x.html",
         &["no/x.html: cannot be written"],
     ),
     (
-        "--robot rats-twelve --animate x.html --out x.html --format json",
+        "disc-stable --robot rats-twelve --animate x.html --out x.html --format json",
         &["--animate", "another file than --out"],
     ),
     (
-        "--robot rats-twelve --animate x.html --robots 3",
+        "disc-stable --robot rats-twelve --animate x.html --robots 3",
         &["--animate", "--robots"],
     ),
-    ("--robot rats-twelve --mcap x.csv", &["--mcap", ".mcap"]),
     (
-        "--robot rats-twelve --mcap no/x.mcap",
+        "disc-stable --robot rats-twelve --mcap x.csv",
+        &["--mcap", ".mcap"],
+    ),
+    (
+        "disc-stable --robot rats-twelve --mcap no/x.mcap",
         &["no/x.mcap: cannot be written"],
     ),
     (
-        "--robot rats-twelve --mcap x.mcap --out x.mcap --format csv",
+        "disc-stable --robot rats-twelve --mcap x.mcap --out x.mcap --format csv",
         &["--mcap", "another file than --out"],
     ),
     (
-        "--robot rats-twelve --mcap x.mcap --robots 3",
+        "disc-stable --robot rats-twelve --mcap x.mcap --robots 3",
         &["--mcap", "--robots"],
     ),
     (
-        "--robot rats-twelve --mcap x.mcap --set legs.directions=[[1,0,0],[0,1,0],[0,0,1],[-1,0,0]]",
+        "disc-stable --robot rats-twelve --mcap x.mcap --set legs.directions=[[1,0,0],[0,1,0],[0,0,1],[-1,0,0]]",
         &["legs.directions"],
     ),
     (
-        "--robot rats-twelve --telemetry x --believed rats-run",
-        &["--believed", "a robot in its plane"],
+        "disc-stable --robot rats-twelve --telemetry x --believed rats-run",
+        &["unexpected argument '--believed'"],
     ),
     (
-        "--robot rats-twelve --telemetry x --robots 3",
+        "disc-stable --robot rats-twelve --telemetry x --robots 3",
         &["--telemetry", "--robots"],
     ),
     (
-        "--robot rats-twelve --telemetry x --gait disc --valve-open 3",
+        "disc --robot rats-twelve --telemetry x --valve-open 3",
         &["--valve-open", "from 0 to 1 s"],
     ),
     (
-        "--robot rats-twelve --gait disc --valve-open 3",
+        "disc --robot rats-twelve --valve-open 3",
         &["--valve-open", "from 0 to 1 s"],
     ),
     (
-        "--robot rats-twelve --gait disc --from 0.9",
+        "disc --robot rats-twelve --from 0.9",
         &["--from, --to", "in the active zone"],
     ),
 ];

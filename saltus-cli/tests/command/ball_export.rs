@@ -1,4 +1,4 @@
-//! `saltus export c --gait disc-stable`: the controller of a robot in space, in C.
+//! `saltus export gait disc-stable`: the controller of a robot in space, in C.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -71,7 +71,7 @@ fn the_loop_in_c_fires_as_the_simulated_ball() {
         .iter()
         .flat_map(|real| gaits.iter().map(move |gait| (real, gait)))
     {
-        let line = format!("export c --gait {name} --robot rats-twelve --out ball --real {real}");
+        let line = format!("export gait {name} --robot rats-twelve --out ball --real {real}");
         let said = folder.done(&line, 0);
         assert!(said.contains("ball rats-twelve"), "{said}");
         for file in ["saltus_ball.h", "saltus_ball.c", "ball_tables.h"] {
@@ -137,7 +137,7 @@ fn the_files_are_the_same_each_time_and_no_angle_has_more_than_twelve_places() {
     let folder = Folder::new("ball-export-twice");
     for out in ["one", "two"] {
         folder.done(
-            &format!("export c --gait disc-stable --real double --out {out}"),
+            &format!("export gait disc-stable --real double --out {out}"),
             0,
         );
     }

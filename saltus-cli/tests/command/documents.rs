@@ -203,9 +203,9 @@ const ANSWERS_NO: &[&str] = &[
     "diagnose logs/monday --report monday.html --extend rats-monday.toml",
     "diagnose logs/monday --replan saltus/examples/box.toml",
     // The thesis' robot stalls from rest.
-    "run --gait closed-loop --seconds 5 --mcap run.mcap",
-    "run --gait closed-loop --seconds 5 --plot run.svg --animate run.html",
-    "run --gait fixed --seconds 3",
+    "run closed-loop --seconds 5 --mcap run.mcap",
+    "run closed-loop --seconds 5 --plot run.svg --animate run.html",
+    "run fixed --seconds 3",
     // The box is a centimetre too high for nine robots in ten, and for the boom.
     "jump --obstacle 0.16x0.21@1.3",
     "plan saltus/examples/box.toml --plant rats-boom",

@@ -93,7 +93,7 @@ fn a_tendon_is_a_cause_of_muscles_alone() {
 #[test]
 fn a_run_of_a_robot_with_a_tank_is_refused() {
     let folder = Folder::new("inject-tank-run");
-    folder.done("run --gait smooth --seconds 3 --telemetry logs", 0);
+    folder.done("run smooth --seconds 3 --telemetry logs", 0);
     let said = folder.run(&["diagnose", "logs", "--set", "tank.volume_l=0.3"]);
     assert_eq!(said.code, Some(2), "{}{}", said.out, said.err);
     assert!(said.err.contains("tank.volume"), "{}", said.err);

@@ -92,13 +92,13 @@ fn what_was_learnt_runs_again() {
         .find(|row| row["seed"].as_u64() == Some(best))
         .unwrap();
     let learnt = row["arrived_s"].as_f64().unwrap();
-    let ran = json(&folder.done("run --policy strides.json --seconds 2 --format json", 0));
+    let ran = json(&folder.done("run policy strides.json --seconds 2 --format json", 0));
     let time = ran["time_to_1_6_m_s"].as_f64().unwrap();
     // Noise is other noise.
     assert!((time / learnt - 1.0).abs() < 0.05, "{time} {learnt}");
 
     folder.done("learn run-zone --seeds 2 --episodes 4 --out zone.json", 0);
-    let text = folder.done("run --policy zone.json --seconds 1 --animate run.html", 0);
+    let text = folder.done("run policy zone.json --seconds 1 --animate run.html", 0);
     assert!(
         text.contains("run-zone by sarsa-lambda, as seed "),
         "{text}"
@@ -112,11 +112,11 @@ fn what_was_learnt_runs_again() {
         (&tilted["what"], &tilted["to_s"]),
         (&"slope_rad".into(), &1.0.into())
     );
-    folder.done("run --policy tilted.json --seconds 0.5", 0);
-    let drawn = folder.done("run --policy strides.json --seconds 2 --robots 3", 0);
+    folder.done("run policy tilted.json --seconds 0.5", 0);
+    let drawn = folder.done("run policy strides.json --seconds 2 --robots 3", 0);
     assert!(drawn.contains("3 drawn robots"), "{drawn}");
     let heavier = folder.done(
-        "run --policy strides.json --set body.mass_kg=3 --seconds 2",
+        "run policy strides.json --set body.mass_kg=3 --seconds 2",
         0,
     );
     assert!(heavier.contains("rats-run: run-stride by q"), "{heavier}");
@@ -231,12 +231,15 @@ const REFUSED: &[(&str, &str)] = &[
         "at most",
     ),
     ("learn run-zone --shown 1", "--animate"),
-    ("run --policy none.json", "none.json"),
-    ("run --policy short.json", "short.json: JSON"),
-    ("run --policy changed.json", "damaged or changed"),
-    ("run --policy policy.json --gait fixed", "--gait"),
+    ("run policy none.json", "none.json"),
+    ("run policy short.json", "short.json: JSON"),
+    ("run policy changed.json", "damaged or changed"),
     (
-        "run --policy policy.json --set body.legs=7",
+        "run fixed --policy policy.json",
+        "saltus run policy FILE.json",
+    ),
+    (
+        "run policy policy.json --set body.legs=7",
         "body.legs = 7: must be 5",
     ),
     ("export policy empty.json --out c", "policy: is missing"),

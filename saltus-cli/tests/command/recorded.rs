@@ -20,7 +20,7 @@ fn topics(folder: &Folder, name: &str) -> BTreeMap<String, usize> {
     topics
 }
 
-const RUN: &str = "run --gait fixed --seconds 0.5";
+const RUN: &str = "run fixed --seconds 0.5";
 
 #[test]
 fn commands_write_what_moves() {
@@ -58,7 +58,7 @@ fn commands_write_what_moves() {
 #[test]
 fn a_run_is_diagnosed_as_its_telemetry_is() {
     let folder = Folder::new("mcap-run");
-    let line = "run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s";
+    let line = "run fixed --seconds 3 --disturb torque=5@0.5:0.7s";
     folder.done(&format!("{line} --telemetry csv --mcap run.mcap"), 0);
     std::fs::create_dir(folder.path("mcap")).unwrap();
     folder.write("mcap/robot.toml", folder.read("csv/robot.toml"));
@@ -91,14 +91,17 @@ fn bad_requests_leave_no_file() {
             &["no/a.mcap: cannot be written"],
         ),
         (
-            "run --mcap no/a.mcap --seconds 1",
+            "run closed-loop --mcap no/a.mcap --seconds 1",
             &["no/a.mcap: cannot be written"],
         ),
         (
-            "run --mcap a.mcap --out a.mcap --format csv --seconds 1",
+            "run closed-loop --mcap a.mcap --out a.mcap --format csv --seconds 1",
             &["--out", "another file"],
         ),
-        ("run --mcap a.mcap --robots 3", &["--mcap", "--robots"]),
+        (
+            "run closed-loop --mcap a.mcap --robots 3",
+            &["--mcap", "--robots"],
+        ),
         ("diagnose d --mcap", &["--mcap"]),
         ("export urdf --robot nobody", &["nobody"]),
     ];

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::common::{Folder, rows};
 
 /// A run that goes on after its push.
-const PUSHED: &str = "run --gait fixed --seconds 3 --disturb torque=5@0.5:0.7s";
+const PUSHED: &str = "run fixed --seconds 3 --disturb torque=5@0.5:0.7s";
 
 fn json(folder: &Folder, line: &str, code: i32) -> Value {
     serde_json::from_str(&folder.done(&format!("{line} --format json"), code)).unwrap()
@@ -24,7 +24,7 @@ fn number(value: &Value, key: &str) -> f64 {
 #[test]
 fn the_fixed_gait_stalls_from_rest_and_runs_after_a_push() {
     let folder = Folder::new("run-fixed");
-    let stalled = json(&folder, "run --gait fixed --seconds 3", 1);
+    let stalled = json(&folder, "run fixed --seconds 3", 1);
     assert_eq!(stalled["ending"]["how"], "stalled");
     assert!(
         stalled["ending"]["reason"]
@@ -40,7 +40,7 @@ fn the_fixed_gait_stalls_from_rest_and_runs_after_a_push() {
         since > 0.5 && since < 2.5 && at > 0.1 && at < 0.6,
         "{stalled}"
     );
-    let text = folder.done("run --gait fixed --seconds 3", 1);
+    let text = folder.done("run fixed --seconds 3", 1);
     assert!(text.contains("stalled: stands still since"), "{text}");
 
     let ran = json(&folder, PUSHED, 0);
@@ -81,10 +81,10 @@ fn energies_close_where_every_event_is_located() {
 fn backwards_is_the_mirror_of_forwards() {
     let folder = Folder::new("run-backwards");
     let quiet = "--set sensors.gyro_noise_rad_s=0 --seconds 1";
-    let ahead = json(&folder, &format!("run --gait fixed {quiet}"), 0);
+    let ahead = json(&folder, &format!("run fixed {quiet}"), 0);
     let back = json(
         &folder,
-        &format!("run --gait fixed --direction backwards {quiet}"),
+        &format!("run fixed --direction backwards {quiet}"),
         0,
     );
     let (a, b) = (number(&ahead, "travel_m"), number(&back, "travel_m"));
@@ -130,7 +130,7 @@ fn csv_has_a_row_a_cycle() {
     let text = std::fs::read_to_string(folder.path("run.csv")).unwrap();
     assert_eq!(rows(&text).1, rows_of);
     let stalled = folder.run(
-        &"run --gait fixed --seconds 3 --format csv --out s.csv"
+        &"run fixed --seconds 3 --format csv --out s.csv"
             .split(' ')
             .collect::<Vec<_>>(),
     );
@@ -165,7 +165,7 @@ fn rows_stream_and_stop_with_their_reader() {
 #[test]
 fn telemetry_is_a_folder_with_readings() {
     let folder = Folder::new("run-telemetry");
-    let line = "run --gait fixed --seconds 0.5 --taps 0.5,0.5 --telemetry logs --out run.csv";
+    let line = "run fixed --seconds 0.5 --taps 0.5,0.5 --telemetry logs --out run.csv";
     folder.done(line, 0);
     let mut names: Vec<String> = std::fs::read_dir(folder.path("logs"))
         .unwrap()
@@ -223,10 +223,10 @@ fn telemetry_is_a_folder_with_readings() {
     // The robot runs again as it is written.
     let again = json(
         &folder,
-        "run --gait fixed --seconds 0.5 --taps 0.5,0.5 --robot logs/robot.toml",
+        "run fixed --seconds 0.5 --taps 0.5,0.5 --robot logs/robot.toml",
         0,
     );
-    let first = json(&folder, "run --gait fixed --seconds 0.5 --taps 0.5,0.5", 0);
+    let first = json(&folder, "run fixed --seconds 0.5 --taps 0.5,0.5", 0);
     assert_eq!(again["travel_m"], first["travel_m"]);
 }
 
@@ -253,7 +253,7 @@ fn what_is_written_beside_changes_no_number() {
     ] {
         assert!(plot.contains(words), "{words}");
     }
-    let exact = "run --gait fixed --seconds 1 --exact";
+    let exact = "run fixed --seconds 1 --exact";
     let alone = folder.done(exact, 0);
     assert_eq!(folder.done(&format!("{exact} --animate e.html"), 0), alone);
 }
@@ -261,7 +261,7 @@ fn what_is_written_beside_changes_no_number() {
 #[test]
 fn drawn_robots_are_the_same_for_any_number_of_threads() {
     let folder = Folder::new("run-robots");
-    let line = "run --gait closed-loop --seconds 2 --robots 6 --seed 3";
+    let line = "run closed-loop --seconds 2 --robots 6 --seed 3";
     for format in ["text", "json", "csv"] {
         let one = folder.done(&format!("{line} --format {format} --threads 1"), 0);
         for threads in [2, 5] {
@@ -287,7 +287,7 @@ fn drawn_robots_are_the_same_for_any_number_of_threads() {
     // Robot k does not depend on how many there are.
     let (_, six) = rows(&folder.done(&format!("{line} --format csv"), 0));
     let (_, two) = rows(&folder.done(
-        "run --gait closed-loop --seconds 2 --robots 2 --seed 3 --format csv",
+        "run closed-loop --seconds 2 --robots 2 --seed 3 --format csv",
         0,
     ));
     assert_eq!(six[..2], two[..]);
@@ -309,39 +309,31 @@ fn gaits_fire_where_their_flags_say() {
         );
         assert!((value("valve_open_s") - open).abs() < 1e-12, "{flags}");
     };
-    check("--gait fixed", 0.1, 0.04);
-    check(
-        "--gait fixed --alpha-f 6deg --valve-open 30ms",
-        0.10472,
-        0.03,
-    );
+    check("fixed", 0.1, 0.04);
+    check("fixed --alpha-f 6deg --valve-open 30ms", 0.10472, 0.03);
     // 0.175 (1 + tanh 3) of a change of 0.35 is yet to come.
-    check("--gait open-loop --centre printed", 0.349_133, 0.04);
-    check("--gait open-loop", 0.349_999, 0.04);
+    check("open-loop --centre printed", 0.349_133, 0.04);
+    check("open-loop", 0.349_999, 0.04);
     check(
-        "--gait open-loop --from 0.4 --to 0.1 --steepness 1 --shift 0 --centre printed",
+        "open-loop --from 0.4 --to 0.1 --steepness 1 --shift 0 --centre printed",
         0.25,
         0.04,
     );
-    check("--gait closed-loop --from 0.3", 0.3, 0.04);
-    check("--gait closed-loop --lines one", 0.35, 0.04);
-    check("--gait curve --knots 0:0.2:35ms,10:0:40ms", 0.2, 0.035);
+    check("closed-loop --from 0.3", 0.3, 0.04);
+    check("closed-loop --lines one", 0.35, 0.04);
+    check("curve --knots 0:0.2:35ms,10:0:40ms", 0.2, 0.035);
 }
 
 /// A law of the search starts by itself and gets fast; a demanded speed is held, and turned round.
 #[test]
 fn smooth_laws_start_and_speeds_are_held() {
     let folder = Folder::new("smooth-and-speed");
-    let smooth = json(&folder, "run --gait smooth --seconds 5", 0);
+    let smooth = json(&folder, "run smooth --seconds 5", 0);
     assert!(number(&smooth, "time_to_1_6_m_s") < 2.0, "{smooth}");
-    let held = json(&folder, "run --gait speed --speed 0:2 --seconds 10", 0);
+    let held = json(&folder, "run speed --speed 0:2 --seconds 10", 0);
     let speed = number(&held, "last_speed_m_s");
     assert!((speed - 2.0).abs() < 0.1, "{speed}");
-    let turned = json(
-        &folder,
-        "run --gait speed --speed 0:1.5,4:-1.5 --seconds 14",
-        0,
-    );
+    let turned = json(&folder, "run speed --speed 0:1.5,4:-1.5 --seconds 14", 0);
     let speed = number(&turned, "last_speed_m_s");
     assert!((speed + 1.5).abs() < 0.1, "{speed}");
 }
@@ -349,14 +341,14 @@ fn smooth_laws_start_and_speeds_are_held() {
 /// Words after `saltus run`, and what the message must contain.
 const CASES: &[(&str, &[&str])] = &[
     (
-        "--gait jog",
+        "jog",
         &[
-            "invalid value 'jog' for '--gait",
+            "run jog: must be a gait",
             "fixed, open-loop, closed-loop, curve",
         ],
     ),
     (
-        "--gait fixed --firing-angle 1.4",
+        "fixed --firing-angle 1.4",
         &[
             "--firing-angle 1.4 rad",
             "active zone, from 0 to below 1.2566 rad",
@@ -364,174 +356,184 @@ const CASES: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "--gait fixed --firing-angle -0.1",
+        "fixed --firing-angle -0.1",
         &["--firing-angle -0.1 rad", "active zone"],
     ),
+    ("closed-loop --zone 0", &["--to -0.1 rad", "active zone"]),
     (
-        "--gait closed-loop --zone 0",
-        &["--to -0.1 rad", "active zone"],
-    ),
-    (
-        "--first-slope -1",
+        "closed-loop --first-slope -1",
         &["--first-slope, --switch (α_f -4.65 rad)", "active zone"],
     ),
-    ("--zone 1", &["--zone 1 rad", "from -0.6283 to 0.6283 rad"]),
     (
-        "--switch 14",
+        "closed-loop --zone 1",
+        &["--zone 1 rad", "from -0.6283 to 0.6283 rad"],
+    ),
+    (
+        "closed-loop --switch 14",
         &["--switch 14", "below --top-rate, 13.3 rad/s"],
     ),
-    ("--top-rate 0", &["--top-rate", "above 0 rad/s"]),
+    ("closed-loop --top-rate 0", &["--top-rate", "above 0 rad/s"]),
     (
-        "--firing-angle 0.1",
-        &["--firing-angle", "--gait fixed, not closed-loop"],
+        "closed-loop --firing-angle 0.1",
+        &["unexpected argument '--firing-angle'"],
     ),
+    ("fixed --lines two", &["unexpected argument '--lines'"]),
     (
-        "--gait fixed --lines two",
-        &["--lines", "--gait closed-loop, not fixed"],
-    ),
-    (
-        "--lines one --switch 3",
+        "closed-loop --lines one --switch 3",
         &["--switch", "--lines two or jump, not one"],
     ),
-    ("--gait curve", &["--knots is missing", "RATE:ANGLE:TIME"]),
-    ("--gait curve --knots 0:0.1", &["RATE:ANGLE:TIME"]),
+    ("curve", &["--knots <RATE:ANGLE:TIME,…>"]),
+    ("curve --knots 0:0.1", &["RATE:ANGLE:TIME"]),
     (
-        "--gait curve --knots 5:0.1:40ms,4:0.1:40ms",
+        "curve --knots 5:0.1:40ms,4:0.1:40ms",
         &["rate 4 rad/s must not be below the one before it, 5 rad/s"],
     ),
+    ("curve --knots 5:0.1:2s", &["2 s must be from 0 to 1 s"]),
     (
-        "--gait curve --knots 5:0.1:2s",
-        &["2 s must be from 0 to 1 s"],
+        "curve --knots 5:0.1:40ms --valve-open 40ms",
+        &["unexpected argument '--valve-open'"],
     ),
+    ("speed", &["--speed <TIME:SPEED,…>"]),
+    ("speed --speed 1.5", &["TIME:SPEED"]),
     (
-        "--gait curve --knots 5:0.1:40ms --valve-open 40ms",
-        &["--valve-open", "--gait curve"],
-    ),
-    ("--gait speed", &["--speed is missing", "TIME:SPEED"]),
-    ("--gait speed --speed 1.5", &["TIME:SPEED"]),
-    (
-        "--gait speed --speed 4:1,2:3",
+        "speed --speed 4:1,2:3",
         &["time 2 s must be after the one before it, 4 s"],
     ),
-    ("--gait speed --speed 0:11", &["a speed from -10 to 10 m/s"]),
+    ("speed --speed 0:11", &["a speed from -10 to 10 m/s"]),
     (
-        "--gait speed --speed 0:1 --direction backwards",
-        &["--direction", "whose speeds have signs"],
+        "speed --speed 0:1 --direction backwards",
+        &["unexpected argument '--direction'"],
     ),
-    ("--speed 0:1", &["--speed", "used with --gait speed"]),
+    ("--speed 0:1", &["run --speed: must be a gait"]),
     (
-        "--gait speed --speed 0:1 --aim quick",
-        &["--aim", "used with --gait smooth"],
+        "--gait speed --speed 0:1",
+        &["saltus run closed-loop --seconds 5"],
     ),
     (
-        "--gait smooth --valve-open 40ms",
-        &["--valve-open", "--gait smooth"],
+        "speed --speed 0:1 --aim quick",
+        &["unexpected argument '--aim'"],
     ),
-    ("--valve-open 2s", &["--valve-open 2 s", "from 0 to 1 s"]),
-    ("--valve-open -1", &["--valve-open", "\"-1\""]),
-    ("--seconds 0", &["--seconds", "above 0 and up to 100000 s"]),
     (
-        "--seconds 1e6",
+        "smooth --valve-open 40ms",
+        &["unexpected argument '--valve-open'"],
+    ),
+    (
+        "closed-loop --valve-open 2s",
+        &["--valve-open 2 s", "from 0 to 1 s"],
+    ),
+    ("closed-loop --valve-open -1", &["--valve-open", "\"-1\""]),
+    (
+        "closed-loop --seconds 0",
         &["--seconds", "above 0 and up to 100000 s"],
     ),
-    ("--step 1", &["--step", "0.000001 to 0.1 s"]),
-    ("--step 1ms --exact", &["cannot be used with '--exact'"]),
     (
-        "--taps 1,-1",
+        "closed-loop --seconds 1e6",
+        &["--seconds", "above 0 and up to 100000 s"],
+    ),
+    ("closed-loop --step 1", &["--step", "0.000001 to 0.1 s"]),
+    (
+        "closed-loop --step 1ms --exact",
+        &["cannot be used with '--exact'"],
+    ),
+    (
+        "closed-loop --taps 1,-1",
         &["--taps", "sum 0 must be a number other than 0"],
     ),
-    ("--taps ,", &["--taps", "must be a number"]),
+    ("closed-loop --taps ,", &["--taps", "must be a number"]),
     (
-        "--taps 1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1",
+        "closed-loop --taps 1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1",
         &["17 weights are too many: at most 16"],
     ),
     (
-        "--disturb wind=3@0:1s",
+        "closed-loop --disturb wind=3@0:1s",
         &["\"wind\" must be one of slope, force, torque, supply, friction"],
     ),
     (
-        "--disturb slope=50@0:1s",
+        "closed-loop --disturb slope=50@0:1s",
         &["slope \"50\"", "from -40.11 to 40.11 deg", "deg, rad"],
     ),
-    ("--disturb slope=3@1:0s", &["\"1:0s\"", "TO above FROM"]),
-    ("--disturb slope=3@1:2", &["FROM:TO in s or m"]),
-    ("--disturb slope=3", &["WHAT=VALUE@FROM:TO"]),
     (
-        "--disturb friction=-1@0:1s",
+        "closed-loop --disturb slope=3@1:0s",
+        &["\"1:0s\"", "TO above FROM"],
+    ),
+    ("closed-loop --disturb slope=3@1:2", &["FROM:TO in s or m"]),
+    ("closed-loop --disturb slope=3", &["WHAT=VALUE@FROM:TO"]),
+    (
+        "closed-loop --disturb friction=-1@0:1s",
         &["friction \"-1\"", "from 0 to 10000"],
     ),
     (
-        "--disturb slope=39@0:1s --set ground.tilt_deg=5",
+        "closed-loop --disturb slope=39@0:1s --set ground.tilt_deg=5",
         &["--disturb slope=39@0:1s", "ground.tilt_deg"],
     ),
     (
-        "--disturb supply=100@0:1s --robot spring-hopper",
+        "closed-loop --disturb supply=100@0:1s --robot spring-hopper",
         &["--disturb supply=100@0:1s", "pneumatic"],
     ),
     (
-        "--set body.legs=2",
+        "closed-loop --set body.legs=2",
         &["body.legs = 2: must be from 3 to 12"],
     ),
     (
-        "--set body.legs=13",
+        "closed-loop --set body.legs=13",
         &["body.legs = 13: must be from 3 to 12"],
     ),
     (
-        "--set sensors.fine_gyro_range_deg_s=0",
+        "closed-loop --set sensors.fine_gyro_range_deg_s=0",
         &["sensors.fine_gyro_range_deg_s = 0", "> 0"],
     ),
     (
-        "--set sensors.period_ms=0",
+        "closed-loop --set sensors.period_ms=0",
         &["sensors.period_ms = 0", "> 0"],
     ),
     (
-        "--set sensors.accelerometer_bias_m_s2=9",
+        "closed-loop --set sensors.accelerometer_bias_m_s2=9",
         &[
             "cannot tell on which two feet it stands",
             "differs from gravity",
         ],
     ),
     (
-        "--set ground.slope_deg=30",
+        "closed-loop --set ground.slope_deg=30",
         &[
             "cannot tell on which two feet it stands",
             "between two poses",
         ],
     ),
-    ("--robots 0", &["--robots", "from 1 to 100000"]),
+    ("closed-loop --robots 0", &["--robots", "from 1 to 100000"]),
     (
-        "--robots 3 --plot x.svg",
+        "closed-loop --robots 3 --plot x.svg",
         &["--robots", "cannot be used with '--plot"],
     ),
     (
-        "--robots 3 --robot spring-hopper",
+        "closed-loop --robots 3 --robot spring-hopper",
         &["--robots", "pneumatic legs"],
     ),
-    ("--drawn-across 0.02", &["--robots <COUNT>"]),
+    ("closed-loop --drawn-across 0.02", &["--robots <COUNT>"]),
     (
-        "--animate x.html --seconds 61",
+        "closed-loop --animate x.html --seconds 61",
         &["--animate", "--seconds 60 at most, not 61"],
     ),
-    ("--animate x.txt", &["--animate", ".html"]),
+    ("closed-loop --animate x.txt", &["--animate", ".html"]),
     (
-        "--telemetry full",
+        "closed-loop --telemetry full",
         &["--telemetry full", "a new or an empty folder"],
     ),
-    ("--out x.pdf", &["--out x.pdf", ".csv"]),
+    ("closed-loop --out x.pdf", &["--out x.pdf", ".csv"]),
     (
-        "--out nowhere/x.csv",
+        "closed-loop --out nowhere/x.csv",
         &["nowhere/x.csv", "its folder is not there"],
     ),
     (
-        "--animate nowhere/x.html",
+        "closed-loop --animate nowhere/x.html",
         &["nowhere/x.html", "its folder is not there"],
     ),
     (
-        "--plot a.svg --out a.svg --format json",
+        "closed-loop --plot a.svg --out a.svg --format json",
         &["--plot a.svg", "another file than --out"],
     ),
     (
-        "--robot robot.toml --out robot.toml --format csv",
+        "closed-loop --robot robot.toml --out robot.toml --format csv",
         &[
             "--out robot.toml",
             "another file than those that this command reads",
@@ -576,7 +578,7 @@ fn bad_input_is_named_and_leaves_no_file() {
 fn a_run_that_cannot_go_on_leaves_nothing() {
     let folder = Folder::new("run-broken");
     folder.write("old.csv", "as it was\n");
-    let line = "run --gait fixed --seconds 3 --disturb torque=9999@0.1:3s --step 0.02 \
+    let line = "run fixed --seconds 3 --disturb torque=9999@0.1:3s --step 0.02 \
                 --out old.csv --telemetry logs --plot p.svg --animate a.html";
     let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(2), "{}{}", run.out, run.err);

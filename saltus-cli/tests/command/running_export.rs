@@ -14,19 +14,16 @@ fn what_means_nothing_is_refused() {
     let folder = Folder::new("export-gaits-bad");
     for (line, parts) in [
         (
-            "export c --gait smooth --valve-open 30ms --out x",
-            &["--valve-open", "--gait smooth"][..],
+            "export gait smooth --valve-open 30ms --out x",
+            &["unexpected argument '--valve-open'"][..],
+        ),
+        ("export gait curve --out x", &["--knots", "RATE:ANGLE:TIME"]),
+        (
+            "export gait fixed --aim quick --out x",
+            &["unexpected argument '--aim'"],
         ),
         (
-            "export c --gait curve --out x",
-            &["--knots", "RATE:ANGLE:TIME"],
-        ),
-        (
-            "export c --gait fixed --aim quick --out x",
-            &["--aim", "--gait smooth"],
-        ),
-        (
-            "export c --gait curve --knots 0:1.2:40ms --out x",
+            "export gait curve --knots 0:1.2:40ms --out x",
             &["firing angle", "zone"],
         ),
     ] {
@@ -132,7 +129,7 @@ fn every_gait_is_exported_to_the_bit() {
         ),
         ("speed", Setup::at_speeds(&robot(), &[], 1.0, 2).unwrap()),
     ] {
-        let line = format!("export c --robot rats-run --real double --out out --gait {flags}");
+        let line = format!("export gait {flags} --robot rats-run --real double --out out");
         folder.done(&line, 0);
         let Some(said) = run_with(&folder, "out/saltus_running.c", &main, &[]) else {
             return;

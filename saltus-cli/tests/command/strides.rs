@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::common::{Folder, rows};
 
 /// A run from rest, of which the first strides are jumps.
-const RUN: &str = "run --gait smooth --seconds 3 --telemetry logs --format json";
+const RUN: &str = "run smooth --seconds 3 --telemetry logs --format json";
 
 /// What is said of `logs`, in which something is wrong or nothing.
 fn diagnosis(folder: &Folder, is_wrong: bool) -> Value {
@@ -65,10 +65,7 @@ type Change = dyn Fn(&mut Vec<String>, &mut Vec<Vec<String>>);
 fn what_is_no_run_is_named() {
     let check = |name: &str, change: &Change, words: &[&str]| {
         let folder = Folder::new(&format!("strides-{name}"));
-        folder.done(
-            "run --gait smooth --seconds 1.7 --telemetry logs --format json",
-            0,
-        );
+        folder.done("run smooth --seconds 1.7 --telemetry logs --format json", 0);
         spoil(&folder, change);
         let run = folder.run(&["diagnose", "logs"]);
         assert_eq!(run.code, Some(2), "{name}: {}", run.out);
@@ -163,7 +160,7 @@ fn synthetic_runs_have_the_effect_that_is_asked_for() {
 fn another_robot_is_believed_only_with_as_many_legs() {
     let folder = Folder::new("strides-believed");
     let run = folder.run(
-        &"run --gait fixed --seconds 0.1 --telemetry logs --believed spring-hopper"
+        &"run fixed --seconds 0.1 --telemetry logs --believed spring-hopper"
             .split(' ')
             .collect::<Vec<_>>(),
     );

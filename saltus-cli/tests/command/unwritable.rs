@@ -19,9 +19,12 @@ const LONG: &[(&str, &str)] = &[
     ),
     ("plan", "nowhere.toml"),
     ("verify", "nowhere.toml"),
-    ("run", "--gait smooth --seconds 1000 --exact"),
-    ("run", "--gait fixed --seconds 1000 --robots 1000 --exact"),
-    ("run", "--robot rats-twelve --seconds 60 --robots 1000"),
+    ("run smooth", "--seconds 1000 --exact"),
+    ("run fixed", "--seconds 1000 --robots 1000 --exact"),
+    (
+        "run disc-stable",
+        "--robot rats-twelve --seconds 60 --robots 1000",
+    ),
     (
         "filling",
         "--omega 4.5 --alpha-f -0.1 --set tank.volume_l=5000",
@@ -36,6 +39,7 @@ const LONG: &[(&str, &str)] = &[
     ("export c", "--distance 0.3:0.8:1000 --omega 3:6:1000"),
     ("export rust", "--distance 0.3:0.8:1000 --omega 3:6:1000"),
     ("export policy", "nowhere.json"),
+    ("export gait speed", "--robot nowhere.toml"),
     ("export mjcf", "--robot nowhere.toml"),
     ("export urdf", "--robot nowhere.toml"),
 ];
@@ -45,7 +49,6 @@ const READ: &[&str] = &[
     "--robot",
     "--plant",
     "--batch",
-    "--policy",
     "--path",
     "--believed",
     "--resume",
@@ -152,7 +155,9 @@ fn every_command_refuses_an_output_that_cannot_be_written_before_it_works() {
             for place in places(&value) {
                 let line = format!("{command} {work} {flag} {place}");
                 let line = match *command {
-                    "export c" | "export policy" if flag != "--out" => line + " --out made",
+                    "export c" | "export gait speed" | "export policy" if flag != "--out" => {
+                        line + " --out made"
+                    }
                     _ => line,
                 };
                 waiting.insert(format!("{command} {flag} {place}"));

@@ -23,6 +23,7 @@ pub(crate) struct Export {
 enum Target {
     C(tables::C),
     Rust(tables::Rust),
+    Gait(running::OfGait),
     Policy(policy::Policy),
     Mjcf(Mjcf),
     Urdf(Urdf),
@@ -103,6 +104,7 @@ impl Export {
         match self.target {
             Target::C(command) => command.run(),
             Target::Rust(command) => command.run(),
+            Target::Gait(command) => command.run(),
             Target::Policy(command) => command.run(),
             Target::Mjcf(Mjcf { robot, out }) => written(&robot, &out, sim_check::mjcf),
             Target::Urdf(Urdf { robot, out }) => written(&robot, &out, sim_check::urdf),

@@ -32,7 +32,7 @@ Examples:
 
 A table becomes saltus_policy.h, which has the choice in each state and the function that finds it. What is observed, in which units, and what the \
 choices are stands at the head; it is printed, too. The choice is the action of the greatest value, of equal ones the first: what `saltus learn` \
-scores and `saltus run --policy` runs, to the bit with --real double.";
+scores and `saltus run policy` runs, to the bit with --real double.";
 
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {

@@ -1,102 +1,134 @@
-//! `saltus export c --gait`: what decides on a running robot.
+//! `saltus export gait`: what decides on a running robot.
 
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand};
 use saltus::Robot;
 use saltus::export::{BallFiles, Number, Running};
 use saltus::gait::space::{Stable, Steered};
-use saltus::gait::{Program, Setup};
+use saltus::gait::{GaitError, Program, Setup};
 
-use crate::cli::common::note_valve;
+use super::{Real, RealType};
+use crate::cli::Status;
+use crate::cli::common::{OutFolder, RobotFlags};
 use crate::cli::refused::refused;
-use crate::cli::run::{Kind, LawFlags};
+use crate::cli::run::{Law, Senses};
+use crate::cli::with::With;
 use crate::error::CliError;
 
-/// A gait that a robot's own processor knows.
-#[derive(Clone, Copy, Debug)]
-struct Flashed(Kind);
-
-impl ValueEnum for Flashed {
-    fn value_variants<'a>() -> &'a [Flashed] {
-        &[
-            Flashed(Kind::Fixed),
-            Flashed(Kind::OpenLoop),
-            Flashed(Kind::ClosedLoop),
-            Flashed(Kind::Curve),
-            Flashed(Kind::Smooth),
-            Flashed(Kind::Speed),
-            Flashed(Kind::DiscStable),
-            Flashed(Kind::Steer),
-        ]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        self.0.to_possible_value()
-    }
+/// Write what decides on a robot that runs or rolls as C99, headers and a source
+#[derive(Args, Debug)]
+#[command(
+    after_help = "`saltus export gait --help` explains the files.",
+    after_long_help = HELP,
+    subcommand_value_name = "GAIT",
+    subcommand_help_heading = "Gaits"
+)]
+pub(super) struct OfGait {
+    #[command(subcommand)]
+    gait: With<Flashed, GaitFlags>,
 }
 
-/// How a robot runs.
+/// A gait that a robot's own processor knows.
+#[derive(Debug, Subcommand)]
+enum Flashed {
+    #[command(flatten)]
+    Law(With<Law, Senses>),
+    /// A speed is held, which saltus_runner_demand sets: the speed of each firing angle is measured first
+    Speed(Senses),
+    /// A robot in space rolls in one plane, by its sensors
+    DiscStable,
+    /// A robot in space follows a path
+    Steer,
+}
+
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Gait")]
-pub(super) struct RunningFlags {
-    /// Write what decides on a running robot, in place of tables of jumps; of `speed` saltus_runner_demand sets the speed
-    #[arg(long, value_enum, value_name = "GAIT", conflicts_with_all = ["distance", "omega", "alpha_f", "landing_height",
-        "start_lean", "valve_range", "newton", "extra_delay", "tolerance", "plant",
-        "plant_overrides"])]
-    gait: Option<Flashed>,
+#[command(after_help = "`saltus export gait --help` explains the files.")]
+struct GaitFlags {
+    #[command(flatten)]
+    real: Real,
 
     #[command(flatten)]
-    law: LawFlags,
+    robot: RobotFlags,
+
+    #[command(flatten)]
+    out: OutFolder,
 }
 
-impl RunningFlags {
-    /// What is written for a ball, if one is asked for; its valves' times are its gait's own, without `valve_open`.
-    pub(super) fn ball<R: Number>(
-        &self,
-        robot: impl FnOnce() -> Result<Robot, CliError>,
-        valve_open: Option<f64>,
-    ) -> Result<Option<BallFiles>, CliError> {
-        let Some(Flashed(gait @ (Kind::DiscStable | Kind::Steer))) = self.gait else {
-            return Ok(None);
-        };
-        self.law.meant(Some(gait), valve_open.is_some())?;
-        let robot = robot()?;
-        let written = if gait == Kind::Steer {
-            BallFiles::steered::<R>(&robot, &Steered::towards(0.0))
-        } else {
-            BallFiles::new::<R>(&robot, &Stable::default())
-        };
-        let wrong = |error| CliError::content(&robot.name, error);
-        written.map(Some).map_err(wrong)
-    }
+const HELP: &str = "\
+Examples:
+  saltus export gait closed-loop --out firmware/src
+  saltus export gait curve --knots 0:0.35:40ms,13.3:-0.1:40ms --real double --out firmware/src
+  saltus export gait disc-stable --robot rats-twelve --out firmware/src
 
-    /// What is written for a robot whose valve opens for `valve_open` (s), if a gait is asked for; speeds
-    /// are measured on so many `threads`.
-    pub(super) fn written<R: Number>(
-        &self,
-        robot: impl FnOnce() -> Result<Robot, CliError>,
-        valve_open: Option<f64>,
-        threads: usize,
-    ) -> Result<Option<Running>, CliError> {
-        let gait = self.gait.map(|gait| gait.0);
-        self.law
-            .meant(gait, gait.is_some() && valve_open.is_some())?;
-        let Some(gait) = gait else {
-            return Ok(None);
-        };
-        let robot = robot()?;
-        note_valve(&robot, valve_open.map(|_| "--valve-open"));
-        let (program, zone) = self.law.found(gait, &robot, threads)?;
-        let mut setup = match program {
-            Program::Curve(law) if gait == Kind::Speed => {
-                Setup::holding(&robot, law, &[], 1.0).map_err(|error| refused(error, &robot))?
-            }
-            program => Setup::new(robot, program, 1.0),
-        };
-        setup.zone = zone;
-        setup.taps = self.law.taps();
-        setup.valve_open = valve_open.unwrap_or(setup.valve_open);
-        let written = Running::new::<R>(&setup).map(Some);
-        written.map_err(|error| CliError::content(&setup.robot.name, error))
+The files are saltus_running.h, saltus_running.c and running_tables.h; of a robot in space saltus_ball.h, saltus_ball.c and ball_tables.h. \
+What is printed also heads them. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99), link with -lm.
+
+saltus_runner_step says each cycle whether a leg fires, from the counts of encoder and gyros, and saltus_rear_leg on which two \
+feet the robot stands. running_tables.h has the constants: law, zone, legs, and what a count is, from the robot's [sensors]. \
+The valve opens for 40 ms unless --valve-open says otherwise. docs/controller.md has a program.
+
+With disc-stable, of rats-twelve unless --robot names another, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
+switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.h has the constants: ball_senses, ball_balance, and all \
+planes in which the robot can roll, ball_planes. With steer also ball_lead, for saltus_pilot_start and saltus_pilot_step, \
+which lead along a path. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
+machine. controller/examples/ball.c is a control loop.";
+
+impl OfGait {
+    pub(super) fn run(self) -> Result<Status, CliError> {
+        let With { of, flags, .. } = self.gait;
+        flags.out.ready()?;
+        match flags.real.real {
+            RealType::Float => of.write::<f32>(&flags),
+            RealType::Double => of.write::<f64>(&flags),
+        }
     }
+}
+
+impl Flashed {
+    fn write<R: Number>(&self, flags: &GaitFlags) -> Result<Status, CliError> {
+        let ball = || flags.robot.any_robot_or("rats-twelve");
+        let (files, about) = match self {
+            Flashed::Law(With {
+                of, flags: senses, ..
+            }) => running::<R>(of, senses, flags)?,
+            Flashed::Speed(senses) => running::<R>(&Law::Speed, senses, flags)?,
+            Flashed::DiscStable => rolling(&ball()?, |robot| {
+                BallFiles::new::<R>(robot, &Stable::default())
+            })?,
+            Flashed::Steer => rolling(&ball()?, |robot| {
+                BallFiles::steered::<R>(robot, &Steered::towards(0.0))
+            })?,
+        };
+        flags.out.write(files, &about)?;
+        Ok(Status::Done)
+    }
+}
+
+/// Names and texts of files, and what heads them.
+type Files = ([(&'static str, String); 3], Vec<String>);
+
+/// The files of a robot in its plane.
+fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<Files, CliError> {
+    let robot = flags.robot.robot_or("rats-run")?;
+    let (program, zone) = law.found(&robot, senses)?;
+    let mut setup = match (program, law) {
+        (Program::Curve(curve), Law::Speed) => {
+            Setup::holding(&robot, curve, &[], 1.0).map_err(|error| refused(error, &robot))?
+        }
+        (program, _) => Setup::new(robot, program, 1.0),
+    };
+    setup.zone = zone;
+    setup.taps = senses.taps();
+    setup.valve_open = law.valve_open().unwrap_or(setup.valve_open);
+    let wrong = |error| CliError::content(&setup.robot.name, error);
+    let written = Running::new::<R>(&setup).map_err(wrong)?;
+    Ok((written.files, written.about))
+}
+
+/// The files of a robot in space.
+fn rolling(
+    robot: &Robot,
+    write: impl FnOnce(&Robot) -> Result<BallFiles, GaitError>,
+) -> Result<Files, CliError> {
+    let written = write(robot).map_err(|error| CliError::content(&robot.name, error))?;
+    Ok((written.files, written.about))
 }

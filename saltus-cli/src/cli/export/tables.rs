@@ -5,7 +5,6 @@ use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
-use super::running::RunningFlags;
 use super::{Real, RealType};
 use crate::cli::Status;
 use crate::cli::common::{OutFile, OutFolder, PlantFlags, RobotFlags, Threads, note_valve};
@@ -15,19 +14,12 @@ use crate::output::print;
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, angles, distances, rates};
 
-/// Write what decides on a robot that jumps or runs as C99, headers and a source
+/// Write what decides on a robot that jumps as C99, a header and a source
 #[derive(Args, Debug)]
-#[command(
-    after_help = "`saltus export c --help` explains the files.",
-    after_long_help = C_HELP,
-    mut_arg("distance", |distance| distance.required(false).required_unless_present("gait"))
-)]
+#[command(after_help = "`saltus export c --help` explains the files.", after_long_help = C_HELP)]
 pub(super) struct C {
     #[command(flatten)]
     flags: TableFlags,
-
-    #[command(flatten)]
-    running: RunningFlags,
 
     #[command(flatten)]
     out: OutFolder,
@@ -54,11 +46,8 @@ Examples:
   saltus export c --distance 0.6 --newton 2 --out firmware/src
   saltus export c --distance 0.3:0.8:11 --plant rats-boom --out firmware/src
   saltus export c --distance 0.4:0.7:7 --valve-open 60ms --valve-range 30ms:60ms --real double --out firmware/src
-  saltus export c --gait closed-loop --out firmware/src
-  saltus export c --gait disc-stable --robot rats-twelve --out firmware/src
 
-The files are saltus_controller.h and saltus_controller.c, or with --gait saltus_running.h, saltus_running.c and running_tables.h; \
-of a robot in space saltus_ball.h, saltus_ball.c and ball_tables.h.
+The files are saltus_controller.h and saltus_controller.c; `saltus export gait` writes those of a robot that runs.
 
 One distance gives a curve over the approach rate, several, evenly spaced, a table. Beside it stands a map from approach rate and firing \
 angle to the lift-off, for Newton steps, obstacles and take-offs. Every cell is held against the planner's own jumps; \
@@ -76,16 +65,6 @@ jump over an obstacle ahead, or to ask later), saltus_firing_angle, saltus_rate_
 tables and answers are, to the bit, those of the Rust code. C99, IEEE 754, no allocation; compile with -ffp-contract=off (or -std=c99), \
 link with -lm. -DSALTUS_NO_SELF_TEST leaves the test and its vectors out. What is printed also heads both files.
 
-With --gait, saltus_runner_step says each cycle whether a leg fires, from the counts of encoder and gyros, and saltus_rear_leg on which two \
-feet the robot stands. running_tables.h has the constants: law, zone, legs, and what a count is, from the robot's [sensors]. Numbers and \
-compilers are as above; the valve opens for 40 ms unless --valve-open says otherwise. docs/controller.md has a program.
-
-With --gait disc-stable, of rats-twelve unless --robot names another, saltus_estimator_take makes attitude, rates and way of a robot in space of its gyros, accelerometers and foot \
-switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.h has the constants: ball_senses, ball_balance, and all \
-planes in which the robot can roll, ball_planes. With --gait steer also ball_lead, for saltus_pilot_start and saltus_pilot_step, \
-which lead along a path. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
-machine. controller/examples/ball.c is a control loop.
-
 The exit code is 1 if no cell can be used.";
 
 const RUST_HELP: &str = "\
@@ -102,8 +81,8 @@ The exit code is 1 if no cell can be used.";
 #[derive(Args, Debug)]
 struct TableFlags {
     /// Distances (m), evenly spaced, from the foot to the landing
-    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true, required = true)]
-    distance: Option<Values>,
+    #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true)]
+    distance: Values,
 
     /// Approach rates ω (rad/s), evenly spaced; --start-lean says where they count
     #[arg(long, value_name = "RATES", value_parser = rates, allow_hyphen_values = true, default_value = "3:6:13")]
@@ -157,18 +136,6 @@ impl C {
     }
 
     fn write<R: Number>(&self) -> Result<Status, CliError> {
-        let open = self.flags.terms.valve_open;
-        let threads = self.flags.threads.count().get();
-        let robot = || self.flags.robot.any_robot_or("rats-twelve");
-        if let Some(ball) = self.running.ball::<R>(robot, open)? {
-            self.out.write(ball.files, &ball.about)?;
-            return Ok(Status::Done);
-        }
-        let robot = || self.flags.robot.robot_or("rats-run");
-        if let Some(running) = self.running.written::<R>(robot, open, threads)? {
-            self.out.write(running.files, &running.about)?;
-            return Ok(Status::Done);
-        }
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);
         };
@@ -237,10 +204,6 @@ impl TableFlags {
             .as_ref()
             .map(|a| spaced("--alpha-f", a, 2))
             .transpose()?;
-        let distances = self.distance.as_ref().ok_or(CliError::Missing {
-            flag: "--distance",
-            allowed: "distances (m) from the foot to the landing",
-        })?;
         let default = Request::default();
         if let Some((low, high)) = self.valve_range
             && !(low <= valve_open && valve_open <= high)
@@ -254,7 +217,7 @@ impl TableFlags {
         }
         Ok(Request {
             rates: spaced("--omega", &self.omega, 2)?,
-            distances: spaced("--distance", distances, 1)?,
+            distances: spaced("--distance", &self.distance, 1)?,
             firing_angles: angles.map(|(low, high, _)| (low, high)),
             angles: angles.map_or(default.angles, |(.., count)| count),
             landing_height: Some(landing_height),

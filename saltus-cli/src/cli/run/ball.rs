@@ -11,15 +11,13 @@ use std::fmt::Write as _;
 
 use saltus::Robot;
 use saltus::gait::GaitError;
-use saltus::gait::space::{Ball, Gait, Knows, Left, Roll, Thrown};
-use saltus::sim_check::Stepping;
+use saltus::gait::space::{Ball as Cycle, Knows, Left, Roll, Thrown};
 use serde_json::{Value, json};
 
-use super::gait::Kind;
 use super::report::approximate;
 use super::rows::Rows;
 use super::telemetry::settings_in_space;
-use super::{Run, note_interrupt};
+use super::{RunFlags, note_interrupt};
 use crate::cli::Status;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
@@ -28,6 +26,7 @@ use crate::progress::Progress;
 use beside::Beside;
 use came::{Aim, Came, follow, leaving};
 use film::About;
+pub(super) use gait::Ball;
 
 /// Part of the legs' work from which on energy that is unexplained is said to be.
 const UNSOUND: f64 = 0.2;
@@ -36,45 +35,47 @@ const ROUND_OFF: f64 = 5.0;
 /// Greatest spin (rad/s) of a robot that is thrown down.
 const SPIN: f64 = 5.0;
 
-impl Run {
-    /// Runs the robot in space that the flags name.
-    pub(super) fn ball(&self, robot: &Robot) -> Result<Status, CliError> {
-        self.meant_for_a_ball()?;
-        let (gait, aim) = self.gait.rolls()?;
-        let mut setup = self.rolling(robot, gait);
-        if self.robots.is_some() {
+/// A robot in space that rolls.
+pub(super) struct InSpace {
+    pub(super) flags: RunFlags,
+    /// The name of the gait.
+    pub(super) gait: String,
+    pub(super) ball: Ball,
+}
+
+impl InSpace {
+    /// Runs `robot`.
+    pub(super) fn run(&self, robot: &Robot) -> Result<Status, CliError> {
+        let (gait, aim) = self.ball.rolls()?;
+        let mut setup = Roll {
+            gait,
+            knows: if self.ball.knows_truth() {
+                Knows::Truth
+            } else {
+                Knows::Sensors(self.flags.seed)
+            },
+            stepping: self.flags.stepping(),
+            ..Roll::new(robot.clone(), self.flags.seconds)
+        };
+        if self.flags.robots.is_some() {
             return self.many_balls(&setup, aim);
         }
         setup.start.thrown = self.thrown(0);
         self.one_ball(robot, setup, aim)
     }
 
-    /// The run of `robot` by `gait`.
-    fn rolling(&self, robot: &Robot, gait: Gait) -> Roll {
-        Roll {
-            gait,
-            knows: if self.gait.truth || self.gait.is_thesis() {
-                Knows::Truth
-            } else {
-                Knows::Sensors(self.seed)
-            },
-            stepping: self.step.map_or(Stepping::USUAL, Stepping::Fixed),
-            ..Roll::new(robot.clone(), self.seconds)
-        }
-    }
-
     fn one_ball(&self, robot: &Robot, mut setup: Roll, aim: Aim) -> Result<Status, CliError> {
-        self.places()?;
+        self.flags.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
-        let mut rows = match self.output.format() {
-            Format::Csv => Some(Rows::open("--out", self.output.out(), header(robot))?),
+        let progress = Progress::new("simulated seconds", self.flags.seconds.ceil() as usize);
+        let mut rows = match self.flags.output.format() {
+            Format::Csv => Some(Rows::open("--out", self.flags.output.out(), header(robot))?),
             _ => None,
         };
-        let mut beside = Beside::open(self, &mut setup)?;
-        let mut track = figure::Track::new(self.seconds);
+        let mut beside = Beside::open(&self.flags, &mut setup)?;
+        let mut track = figure::Track::new(self.flags.seconds);
         let mut whole = 0.0;
         let came = follow(&setup, aim, |ball| {
             track.push(ball);
@@ -100,7 +101,7 @@ impl Run {
             ));
         }
         let mut files = Files::default();
-        match (rows, self.output.format()) {
+        match (rows, self.flags.output.format()) {
             (Some(rows), _) => {
                 if let Some(stream) = rows.finish()? {
                     files.written(stream)?;
@@ -110,18 +111,21 @@ impl Run {
                 }
             }
             (None, Format::Json) => {
-                files.report(self.output.out(), output::json(&self.report(robot, &came)));
+                files.report(
+                    self.flags.output.out(),
+                    output::json(&self.report(robot, &came)),
+                );
             }
-            (None, _) => files.report(self.output.out(), self.text(robot, &came)),
+            (None, _) => files.report(self.flags.output.out(), self.text(robot, &came)),
         }
         let drawing = || Ok(figure::drawing(&setup, self.head(robot), &track));
-        self.plot.add_to(&mut files, drawing)?;
+        self.flags.plot.add_to(&mut files, drawing)?;
         let about = About {
             title: self.head(robot),
             ended: came.words(),
             rolled: came.failure().is_none(),
         };
-        let settings = settings_in_space(&setup, self.gait.rolling().name(), self.seed);
+        let settings = settings_in_space(&setup, &self.gait, self.flags.seed);
         beside.add_to(&mut files, &setup, &about, settings)?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
@@ -131,31 +135,15 @@ impl Run {
         })
     }
 
-    /// Refuses what only a robot in its plane does.
-    fn meant_for_a_ball(&self) -> Result<(), CliError> {
-        let given = [
-            ("--policy", self.gait.policy.is_some()),
-            ("--disturb", !self.disturb.is_empty()),
-            ("--believed", self.believed.is_some()),
-            ("--drawn-across", self.drawn_across != 0.0),
-            ("--exact", self.exact),
-        ];
-        match given.into_iter().find(|(_, is_given)| *is_given) {
-            Some((flag, _)) => Err(in_its_plane(flag)),
-            None => Ok(()),
-        }
-    }
-
     /// The robot and its gait in words.
     fn head(&self, robot: &Robot) -> String {
-        let knows = if self.gait.is_thesis() || self.gait.truth {
+        let knows = if self.ball.knows_truth() {
             "its motion known exactly"
         } else {
             "by its sensors"
         };
-        let seconds = digits(self.seconds, 6);
-        let kind = self.gait.rolling().name();
-        format!("{}: {kind}, {knows}, {seconds} s", robot.name)
+        let seconds = digits(self.flags.seconds, 6);
+        format!("{}: {}, {knows}, {seconds} s", robot.name, self.gait)
     }
 
     fn text(&self, robot: &Robot, came: &Came) -> String {
@@ -175,21 +163,21 @@ impl Run {
         };
         let speed = way / rolled.time.max(f64::MIN_POSITIVE);
         line("mean speed", format!("{} m/s", digits(speed, 4)));
-        let most = format!("most aside of its {}", self.gait.followed());
+        let most = format!("most aside of its {}", self.ball.followed());
         let aside = if came.is_turning() {
             "its line has not begun: it still turns".into()
         } else {
             format!("{} m", digits(came.aside, 3))
         };
         line(&most, aside);
-        if self.gait.is_thesis() {
+        if self.ball.is_thesis() {
             let left = rolled
                 .left
                 .map_or_else(|| "never".into(), |left| leaving(&left));
             line("left its plane", left);
         } else if came.aim == Aim::Line {
             let heading = digits(came.heading, 3);
-            let wanted = digits(self.gait.heading.unwrap_or(0.0), 3);
+            let wanted = digits(self.ball.heading(), 3);
             let both = format!("{heading} rad, line {wanted} rad");
             line("heading at the end", both);
         } else {
@@ -219,11 +207,11 @@ impl Run {
         let mut answer = json!({
             "command": "run",
             "robot": robot.name,
-            "gait": self.gait.rolling().name(),
-            "by_sensors": !(self.gait.truth || self.gait.is_thesis()),
-            "seconds": self.seconds,
-            "seed": self.seed,
-            "line_rad": self.gait.heading.unwrap_or(0.0),
+            "gait": self.gait,
+            "by_sensors": !self.ball.knows_truth(),
+            "seconds": self.flags.seconds,
+            "seed": self.flags.seed,
+            "line_rad": self.ball.heading(),
             "heading_rad": came.heading,
             "ending": came.ending(),
             "time_s": rolled.time,
@@ -250,7 +238,7 @@ impl Run {
 
     /// How drawn robot `k` is thrown down, if it is.
     fn thrown(&self, k: usize) -> Option<Thrown> {
-        (self.gait.rolling() == Kind::Recover).then(|| Thrown::drawn(self.seed, k, SPIN))
+        matches!(self.ball, Ball::Recover(_)).then(|| Thrown::drawn(self.flags.seed, k, SPIN))
     }
 }
 
@@ -270,7 +258,7 @@ fn header(robot: &Robot) -> String {
     text
 }
 
-fn write(ball: &Ball, text: &mut String) {
+fn write(ball: &Cycle, text: &mut String) {
     let mut number = |x: f64| {
         text.push_str(&full(x));
         text.push(',');
@@ -304,15 +292,6 @@ fn write(ball: &Ball, text: &mut String) {
     for x in &ball.extensions {
         let _ = write!(text, ",{}", full(*x));
     }
-}
-
-/// A flag that a robot in space does not have.
-fn in_its_plane(flag: &'static str) -> CliError {
-    CliError::flag(
-        flag,
-        "",
-        "used with a robot in its plane, whose body.shape is wheel",
-    )
 }
 
 /// What the library refuses of a ball, as what the user typed.

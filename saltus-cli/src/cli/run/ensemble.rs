@@ -4,7 +4,7 @@ use saltus::gait::{Draw, Ending, Ensemble, GaitError, Setup, Summary, drawn_robo
 use saltus::running::{RUNS_FROM, Together, each};
 use serde_json::{Value, json};
 
-use super::Run;
+use super::InPlane;
 use super::gait::Chosen;
 use super::report::{head, joined};
 use crate::cli::Status;
@@ -43,54 +43,56 @@ const COLUMNS: &[&str] = &[
 /// The runs and where they come from.
 struct Many<'a> {
     ensemble: &'a Ensemble,
+    gait: &'a str,
     chosen: &'a Chosen,
     disturbances: &'a [Typed],
     runs: &'a [Result<Summary, GaitError>],
 }
 
-impl Run {
+impl InPlane {
     /// Runs drawn robots and reports their shares.
-    pub(super) fn many(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
+    pub(super) fn many(&self, setup: &Setup) -> Result<Status, CliError> {
         if setup.robot.leg.cylinder().is_none() {
             let allowed = "used with a robot with pneumatic legs, whose supply is drawn";
             return Err(CliError::flag("--robots", "", allowed));
         }
-        let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
+        let robots = self.flags.robots.map_or(1, std::num::NonZeroUsize::get);
         let mut files = Files::default();
-        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.extend(self.flags.output.out().map(|out| ("--out", out)));
         files.check()?;
         let ensemble = Ensemble {
             setup: setup.clone(),
             draw: Draw {
-                across: self.drawn_across,
+                across: self.plane.drawn_across,
                 ..Draw::around(&setup.robot)
             },
             robots,
-            seed: self.seed,
+            seed: self.flags.seed,
         };
         // What is wrong with all of them is bad input, and said before they run.
         let mut first = setup.clone();
-        first.robot = drawn_robot(&setup.robot, &ensemble.draw, self.seed, 0)
+        first.robot = drawn_robot(&setup.robot, &ensemble.draw, self.flags.seed, 0)
             .map_err(|error| refused(error, &setup.robot))?;
         first.seconds = setup.sensors().period.min(setup.seconds);
         saltus::gait::run(&first, &mut ()).map_err(|error| refused(error, &setup.robot))?;
         let progress = Progress::new("robots", robots);
-        let runs = each(&ensemble, self.threads.count().get(), &|| {
+        let runs = each(&ensemble, self.flags.threads.count().get(), &|| {
             progress.advance(1);
         });
         drop(progress);
         let many = Many {
             ensemble: &ensemble,
-            chosen,
-            disturbances: &self.disturb,
+            gait: &self.gait,
+            chosen: &self.chosen,
+            disturbances: &self.plane.disturb,
             runs: &runs,
         };
-        let report = match self.output.format() {
+        let report = match self.flags.output.format() {
             Format::Csv => many.table()?.csv(),
             Format::Json => many.json()?,
             Format::Text => many.text(),
         };
-        self.output.write_report(report)?;
+        self.flags.output.write_report(report)?;
         Ok(Status::Done)
     }
 }
@@ -286,7 +288,7 @@ impl Many<'_> {
             "gas_of_runners_kg_per_m": all.gas_per_metre,
             "runs": self.table()?.json(),
         });
-        let head = head(setup, self.chosen, self.disturbances);
+        let head = head(setup, (self.gait, self.chosen), self.disturbances);
         Ok(output::json(&joined([head, answer])))
     }
 }

@@ -1,7 +1,8 @@
 //! A run as the thesis' figures 5.3, 5.5 and 5.6 show one.
 
+use saltus::gait::Program;
+
 use super::follow::Thinned;
-use super::gait::Kind;
 use super::report::Report;
 use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
@@ -29,8 +30,8 @@ pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
         lines: stretches(column),
         least: Some([[0.0, end], least]),
     };
-    let angles = match report.chosen.kind {
-        Kind::OpenLoop => [0.0, 0.35],
+    let angles = match report.chosen.program {
+        Program::OpenLoop { .. } => [0.0, 0.35],
         _ => [-0.2, 0.5],
     };
     let sign = if report.chosen.forwards { 1.0 } else { -1.0 };

@@ -13,10 +13,11 @@ mod rows;
 mod telemetry;
 mod values;
 
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use saltus::Robot;
 use saltus::gait::{Ending, Logger, Program, Setup, When, run};
 use saltus::recording::Running;
@@ -24,22 +25,21 @@ use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
 
 use super::Status;
-use super::common::{
-    OutputFlags, PlotOption, Threads, any_robot, note_valve, page_file, robot, seed,
-};
+use super::common::{OutputFlags, PlotOption, Threads, any_robot, page_file, robot, seed};
 use super::disturb::{self, Typed};
 use super::film::Film;
-use super::learned::Learned;
 use super::recorded::McapOption;
 use super::refused::refused;
+use super::with::With;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
 use crate::output::{Files, Format, digits, message, reachable, reachable_folder};
 use crate::progress::Progress;
 use crate::quantity::{self, Quantity, QuantityError};
+use ball::{Ball, InSpace};
 use follow::{Follower, OnTheWay, Thinned};
-use gait::{Chosen, GaitFlags};
-pub(crate) use gait::{Kind, LawFlags};
+use gait::{Chosen, Plane};
+pub(crate) use gait::{Law, Senses};
 use held::Held;
 use recorder::Recorder;
 use rows::{Columns, Rows};
@@ -51,30 +51,62 @@ const LONGEST_FILM: f64 = 60.0;
 /// Run a robot: five legs fired in turn by the controller, in the multi-body simulation
 #[derive(Args, Debug)]
 #[command(
-    after_help = "`saltus run --help` explains the output.",
+    after_help = "`saltus run --help` explains the output, `saltus run closed-loop --help` the flags of a gait.",
     after_long_help = LONG_HELP,
-    mut_arg("firing_angle", |angle| angle.visible_alias("alpha-f"))
+    subcommand_value_name = "GAIT",
+    subcommand_help_heading = "Gaits"
 )]
 pub(crate) struct Run {
+    #[command(subcommand)]
+    gait: With<Gait, RunFlags>,
+}
+
+/// How the firing angle is found.
+#[derive(Debug, Subcommand)]
+enum Gait {
     #[command(flatten)]
-    gait: GaitFlags,
+    Plane(With<Plane, PlaneFlags>),
+    #[command(flatten)]
+    Ball(Ball),
+}
 
-    /// How long (s)
-    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "10", allow_hyphen_values = true)]
-    seconds: f64,
-
+/// Flags that only a robot in its plane has.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Run")]
+struct PlaneFlags {
     /// What changes on the way, WHAT=VALUE@FROM:TO in s or m, as in torque=5@0.5:0.7s: slope (deg),
     /// force (N), torque (N m), supply (psi) or friction; may be repeated
     #[arg(long, value_name = "WHAT=VALUE@FROM:TO", value_parser = disturb::disturb, allow_hyphen_values = true)]
     disturb: Vec<Typed>,
 
-    /// Compute the motion in fixed steps of this length (s) [default: 1ms]
-    #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "exact", allow_hyphen_values = true)]
-    step: Option<f64>,
-
     /// Compute the motion with error control, every event located
-    #[arg(long)]
+    #[arg(long, conflicts_with = "step")]
     exact: bool,
+
+    /// Friction coefficient across the travel of the robots that are drawn
+    #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
+    drawn_across: f64,
+
+    /// Robot that the telemetry names, where it is another than the one that runs: a built-in one or
+    /// a TOML file
+    #[arg(long, value_name = "NAME|FILE", requires = "telemetry")]
+    believed: Option<String>,
+}
+
+/// Flags of every run.
+#[derive(Args, Debug)]
+#[command(
+    next_help_heading = "Run",
+    after_help = "`saltus run --help` explains the output."
+)]
+struct RunFlags {
+    /// How long (s)
+    #[arg(long, value_name = "TIME", value_parser = seconds, default_value = "10", allow_hyphen_values = true)]
+    seconds: f64,
+
+    /// Compute the motion in fixed steps of this length (s) [default: 1ms]
+    #[arg(long, value_name = "TIME", value_parser = step, allow_hyphen_values = true)]
+    step: Option<f64>,
 
     /// Seed of the sensors' noise, and of the robots that are drawn: a whole number from 0
     #[arg(
@@ -90,10 +122,6 @@ pub(crate) struct Run {
     /// ground friction vary
     #[arg(long, value_name = "COUNT", value_parser = robots, allow_hyphen_values = true, conflicts_with_all = ["plot", "animate", "telemetry", "mcap"])]
     robots: Option<NonZeroUsize>,
-
-    /// Friction coefficient across the travel of the robots that are drawn
-    #[arg(long, value_name = "MU", value_parser = quantity::factor, default_value = "0", requires = "robots", allow_hyphen_values = true)]
-    drawn_across: f64,
 
     #[command(flatten)]
     threads: Threads,
@@ -112,18 +140,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
     telemetry: Option<PathBuf>,
 
-    /// Robot that the telemetry names, where it is another than the one that runs: a built-in one or
-    /// a TOML file
-    #[arg(
-        long,
-        value_name = "NAME|FILE",
-        requires = "telemetry",
-        help_heading = "Robot and output"
-    )]
-    believed: Option<String>,
-
     /// Robot: a built-in one (rats-planar, rats-boom, rats-run, rats-twelve, spring-hopper, table-hopper) or a TOML file
-    /// [default: rats-run, with --policy the one that learnt it]
+    /// [default: rats-run; rats-twelve where the gait is one in space; with `policy` the one that learnt it]
     #[arg(long, value_name = "NAME|FILE", help_heading = "Robot and output")]
     robot: Option<String>,
 
@@ -142,17 +160,17 @@ pub(crate) struct Run {
 
 const LONG_HELP: &str = "\
 Examples:
-  saltus run --gait closed-loop --seconds 5
-  saltus run --gait fixed --firing-angle 0.1 --valve-open 40ms --seconds 15 --disturb torque=5@5:5.2s --plot figure-5.3.svg
-  saltus run --gait open-loop --from 0.35 --to 0 --centre printed --seconds 5 --format csv --out run.csv
-  saltus run --gait closed-loop --lines jump --seconds 5 --animate run.html
-  saltus run --gait smooth --seconds 5 --plot smooth.svg
-  saltus run --gait speed --speed 0:1.5,4:3,8:-1 --seconds 12
-  saltus run --gait closed-loop --seconds 9 --robots 40 --seed 7
-  saltus run --robot rats-twelve --gait disc --seconds 5
-  saltus run --robot rats-twelve --gait disc-stable --heading 30deg --seconds 20 --robots 100
-  saltus run --robot rats-twelve --path points.csv --seconds 60 --plot track.svg --animate run.html
-  saltus run --robot rats-twelve --gait recover --seconds 10 --seed 3
+  saltus run closed-loop --seconds 5
+  saltus run fixed --firing-angle 0.1 --valve-open 40ms --seconds 15 --disturb torque=5@5:5.2s --plot figure-5.3.svg
+  saltus run open-loop --from 0.35 --to 0 --centre printed --seconds 5 --format csv --out run.csv
+  saltus run closed-loop --lines jump --seconds 5 --animate run.html
+  saltus run smooth --seconds 5 --plot smooth.svg
+  saltus run speed --speed 0:1.5,4:3,8:-1 --seconds 12
+  saltus run closed-loop --seconds 9 --robots 40 --seed 7
+  saltus run disc --seconds 5
+  saltus run disc-stable --heading 30deg --seconds 20 --robots 100
+  saltus run steer --path points.csv --seconds 60 --plot track.svg --animate run.html
+  saltus run recover --seconds 10 --seed 3
 
 The robot stands on two feet, finds out by its accelerometer which ones, and runs: the leg whose lean lies in the \
 active zone fires, once an entry, as soon as it leans by the firing angle. docs/running.md describes gaits, sensors and \
@@ -217,68 +235,116 @@ and valve of each leg), cycles.csv with the columns of CSV, robot.toml and setti
 what is measured (docs/logs.md). Beside it are cycles.csv, the columns of CSV and the counts of encoders, gyros and \
 accelerometers, and settings.toml. With --believed the folder names another robot than the one that ran.";
 
+/// A robot that runs in its plane.
+struct InPlane {
+    flags: RunFlags,
+    plane: PlaneFlags,
+    gait: String,
+    chosen: Chosen,
+}
+
 impl Run {
     pub(crate) fn run(self) -> Result<Status, CliError> {
-        self.output.check()?;
-        self.ready()?;
-        let learned = self.gait.learned()?;
-        let robot = self.run_robot(learned.as_ref())?;
-        if robot.space.is_some() {
-            return self.ball(&robot);
-        }
-        let chosen = match &learned {
-            Some(learned) => learned.chosen(&robot)?,
-            None => self.gait.chosen(&robot)?,
-        };
-        note_valve(&robot, self.gait.valve_flag());
-        disturb::check(&self.disturb, &robot)?;
-        self.note_what_never_comes(&chosen);
-        let setup = self.setup(&robot, &chosen)?;
-        if self.robots.is_some() {
-            return self.many(&setup, &chosen);
-        }
-        self.one(&setup, &chosen)
-    }
-
-    /// The robot that runs.
-    fn run_robot(&self, learned: Option<&Learned>) -> Result<Robot, CliError> {
-        match (&self.robot, learned) {
-            (None, Some(learned)) if self.overrides.is_empty() => Ok(learned.robot().clone()),
-            (None, Some(learned)) => {
-                let own = learned.robot();
-                Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?)
+        let With {
+            name: gait,
+            of,
+            flags,
+        } = self.gait;
+        flags.ready()?;
+        match of {
+            Gait::Plane(With {
+                of, flags: plane, ..
+            }) => {
+                let (robot, chosen) = of.chosen(|learned| {
+                    let robot = flags.robot(learned, "rats-run")?;
+                    let suits = robot.space.is_none();
+                    suits.then_some(()).ok_or_else(|| unsuited(&robot, &gait))?;
+                    Ok(robot)
+                })?;
+                let run = InPlane {
+                    flags,
+                    plane,
+                    gait,
+                    chosen,
+                };
+                run.run(&robot)
             }
-            (name, _) => any_robot(name.as_deref().unwrap_or("rats-run"), &self.overrides),
+            Gait::Ball(ball) => {
+                let robot = flags.robot(None, "rats-twelve")?;
+                if robot.space.is_none() {
+                    return Err(unsuited(&robot, &gait));
+                }
+                InSpace { flags, gait, ball }.run(&robot)
+            }
         }
     }
+}
 
-    fn setup(&self, robot: &Robot, chosen: &Chosen) -> Result<Setup, CliError> {
+/// That the words of a line name no gait.
+pub(crate) fn without_gait(words: &[OsString]) -> Option<CliError> {
+    let [command, first, ..] = words else {
+        return None;
+    };
+    if command != "run" || Gait::has_subcommand(&first.to_string_lossy()) {
+        return None;
+    }
+    let all = Gait::augment_subcommands(clap::Command::new("run"));
+    let names: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
+    let names = names.join(", ");
+    let allowed = format!("a gait, as in saltus run closed-loop --seconds 5: {names}");
+    Some(CliError::flag("run", first.to_string_lossy(), allowed))
+}
+
+/// That `robot` does not have `gait`.
+fn unsuited(robot: &Robot, gait: &str) -> CliError {
+    let (its, other) = match robot.space {
+        Some(_) => ("sphere", "wheel"),
+        None => ("wheel", "sphere"),
+    };
+    let reason = format!("body.shape = {its}: must be {other}, for the gait {gait}");
+    CliError::content(&robot.name, reason)
+}
+
+impl InPlane {
+    fn run(&self, robot: &Robot) -> Result<Status, CliError> {
+        disturb::check(&self.plane.disturb, robot)?;
+        self.note_what_never_comes();
+        let setup = self.setup(robot)?;
+        if self.flags.robots.is_some() {
+            return self.many(&setup);
+        }
+        self.one(&setup)
+    }
+
+    fn setup(&self, robot: &Robot) -> Result<Setup, CliError> {
+        let (chosen, flags) = (&self.chosen, &self.flags);
         let mut setup = match &chosen.program {
             Program::Curve(law) if !chosen.speeds.is_empty() => {
-                Setup::holding(robot, law.clone(), &chosen.speeds, self.seconds)
+                Setup::holding(robot, law.clone(), &chosen.speeds, flags.seconds)
                     .map_err(|error| refused(error, robot))?
             }
-            program => Setup::new(robot.clone(), program.clone(), self.seconds),
+            program => Setup::new(robot.clone(), program.clone(), flags.seconds),
         };
         setup.valve_open = chosen.valve_open;
         setup.zone = chosen.zone;
         setup.forwards = chosen.forwards;
         setup.taps.clone_from(&chosen.taps);
-        setup.disturbances = self.disturb.iter().map(|typed| typed.disturbance).collect();
+        let disturbances = self.plane.disturb.iter().map(|typed| typed.disturbance);
+        setup.disturbances = disturbances.collect();
         setup.obstacles.clone_from(&chosen.obstacles);
-        setup.seed = self.seed;
-        setup.stepping = match (self.exact, self.step) {
-            (true, _) => Stepping::Adaptive,
-            (false, Some(step)) => Stepping::Fixed(step),
-            (false, None) => Stepping::USUAL,
+        setup.seed = flags.seed;
+        setup.stepping = if self.plane.exact {
+            Stepping::Adaptive
+        } else {
+            flags.stepping()
         };
         Ok(setup)
     }
 
     /// Says what the schedules have after the end, and which speeds the robot cannot hold.
-    fn note_what_never_comes(&self, chosen: &Chosen) {
-        let seconds = self.seconds;
-        for typed in &self.disturb {
+    fn note_what_never_comes(&self) {
+        let (seconds, chosen) = (self.flags.seconds, &self.chosen);
+        for typed in &self.plane.disturb {
             if let When::Time(from, _) = typed.disturbance.when
                 && from >= seconds
             {
@@ -309,12 +375,13 @@ impl Run {
     }
 
     /// One run.
-    fn one(&self, setup: &Setup, chosen: &Chosen) -> Result<Status, CliError> {
-        self.places()?;
+    fn one(&self, setup: &Setup) -> Result<Status, CliError> {
+        let chosen = &self.chosen;
+        self.flags.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let progress = Progress::new("simulated seconds", self.seconds.ceil() as usize);
+        let progress = Progress::new("simulated seconds", self.flags.seconds.ceil() as usize);
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
         follower.held = Held::all(&chosen.speeds, setup.seconds);
         follower.boxes = OnTheWay::all(setup);
@@ -324,10 +391,11 @@ impl Run {
         let kept = follower.kept();
         let report = report::Report {
             setup,
+            gait: &self.gait,
             chosen,
             summary: &summary,
             follower: &follower,
-            disturbances: &self.disturb,
+            disturbances: &self.plane.disturb,
             interrupted: interrupt.came(),
         };
         let mut files = self.files(&report, kept.rows, kept.film)?;
@@ -352,7 +420,7 @@ impl Run {
 
     /// The robot that the telemetry says has run.
     fn believed(&self, setup: &Setup) -> Result<Robot, CliError> {
-        let Some(name) = &self.believed else {
+        let Some(name) = &self.plane.believed else {
             return Ok(setup.robot.clone());
         };
         let believed = robot(name, &[])?;
@@ -369,23 +437,23 @@ impl Run {
     /// Opens what `follower` writes and keeps.
     fn open(&self, follower: &mut Follower<'_>, setup: &Setup) -> Result<(), CliError> {
         let (robot, legs) = (&setup.robot, setup.robot.body.legs as usize);
-        if self.output.format() == Format::Csv {
+        if self.flags.output.format() == Format::Csv {
             let header = Columns::Motion.header(legs);
-            follower.kept.rows = Some(Rows::open("--out", self.output.out(), header)?);
+            follower.kept.rows = Some(Rows::open("--out", self.flags.output.out(), header)?);
         }
-        if let Some(folder) = &self.telemetry {
+        if let Some(folder) = &self.flags.telemetry {
             let (cycles, logger) = (Columns::Telemetry.header(legs), Logger::new(robot));
             let measured = format!("time_s,{}", logger.columns().join(","));
             let telemetry = Telemetry::open(folder, cycles, measured)?;
             follower.kept.telemetry = Some((telemetry, logger));
         }
-        if let Some(path) = self.mcap.path() {
+        if let Some(path) = self.flags.mcap.path() {
             let begin = |recording| Running::new(recording, setup);
             let recorder = Recorder::open(path, (robot, setup.seed), begin)?;
             follower.kept.recorder = Some(recorder);
         }
-        follower.line = self.plot.is_set().then(Thinned::new);
-        follower.kept.film = (self.animate.is_some()).then(|| Film::new(setup));
+        follower.line = self.flags.plot.is_set().then(Thinned::new);
+        follower.kept.film = (self.flags.animate.is_some()).then(|| Film::new(setup));
         Ok(())
     }
 
@@ -397,7 +465,7 @@ impl Run {
         film: Option<Film>,
     ) -> Result<Files, CliError> {
         let mut files = Files::default();
-        match (rows, self.output.format()) {
+        match (rows, self.flags.output.format()) {
             (Some(rows), _) => {
                 if let Some(stream) = rows.finish()? {
                     files.written(stream)?;
@@ -406,19 +474,35 @@ impl Run {
                     message(&format!("the robot {}", report.ending()));
                 }
             }
-            (None, Format::Json) => files.report(self.output.out(), report.json()),
-            (None, _) => files.report(self.output.out(), report.text()),
+            (None, Format::Json) => files.report(self.flags.output.out(), report.json()),
+            (None, _) => files.report(self.flags.output.out(), report.text()),
         }
-        if let (Some(path), Some(film)) = (&self.animate, film) {
+        if let (Some(path), Some(film)) = (&self.flags.animate, film) {
             let html = page::html(report, film);
             files.add("--animate", path, html.into_bytes());
         }
         if let Some(line) = &report.follower.line {
             let drawing = || Ok(figure::drawing(report, line));
-            self.plot.add_to(&mut files, drawing)?;
+            self.flags.plot.add_to(&mut files, drawing)?;
         }
         files.check()?;
         Ok(files)
+    }
+}
+
+impl RunFlags {
+    /// The robot that runs, `usual` where none is named and none has `learnt`.
+    fn robot(&self, learnt: Option<&Robot>, usual: &str) -> Result<Robot, CliError> {
+        match (&self.robot, learnt) {
+            (None, Some(own)) if self.overrides.is_empty() => Ok(own.clone()),
+            (None, Some(own)) => Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?),
+            (name, _) => any_robot(name.as_deref().unwrap_or(usual), &self.overrides),
+        }
+    }
+
+    /// The steps in which the motion is computed.
+    fn stepping(&self) -> Stepping {
+        self.step.map_or(Stepping::USUAL, Stepping::Fixed)
     }
 
     /// Refuses files and a folder that cannot be written, before long work.

@@ -15,6 +15,8 @@ use crate::output::{self, digits};
 /// A run and what it came to.
 pub(super) struct Report<'a> {
     pub(super) setup: &'a Setup,
+    /// The name of the gait.
+    pub(super) gait: &'a str,
     pub(super) chosen: &'a Chosen,
     pub(super) summary: &'a Summary,
     pub(super) follower: &'a Follower<'a>,
@@ -353,18 +355,22 @@ impl Report<'_> {
                 "impacts_at_stops": l.stops, "residual": -s.residual, "gas_residual": s.gas_residual,
             },
         });
-        let head = head(self.setup, self.chosen, self.disturbances);
+        let head = head(self.setup, (self.gait, self.chosen), self.disturbances);
         joined([head, motion, energy])
     }
 }
 
 /// What was run, for JSON.
-pub(super) fn head(setup: &Setup, chosen: &Chosen, disturbances: &[Typed]) -> Value {
+pub(super) fn head(
+    setup: &Setup,
+    (gait, chosen): (&str, &Chosen),
+    disturbances: &[Typed],
+) -> Value {
     let disturbed: Vec<&str> = disturbances.iter().map(|d| d.text.as_str()).collect();
     json!({
         "command": "run",
         "robot": setup.robot.name,
-        "gait": chosen.kind.name(),
+        "gait": gait,
         "gait_in_words": chosen.words,
         "direction": if chosen.forwards { "forwards" } else { "backwards" },
         "zone_rad": setup.zone,

@@ -167,7 +167,7 @@ pub(super) fn settings(report: &Report<'_>) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(text, "{name} = {value}");
     };
-    key("gait", quoted(report.chosen.kind.name()));
+    key("gait", quoted(report.gait));
     key("backwards", (!setup.forwards).to_string());
     key("zone_rad", float(setup.zone));
     let taps: Vec<String> = setup.taps.iter().map(|tap| float(*tap)).collect();

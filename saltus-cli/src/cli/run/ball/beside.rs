@@ -7,7 +7,7 @@ use saltus::recording::Rolling;
 
 use super::film::{About, Film};
 use super::{header, write};
-use crate::cli::run::Run;
+use crate::cli::run::RunFlags;
 use crate::cli::run::recorder::Recorder;
 use crate::cli::run::telemetry::Telemetry;
 use crate::error::CliError;
@@ -23,7 +23,7 @@ pub(super) struct Beside {
 
 impl Beside {
     /// What `run` asks for of the run `setup`, which is told how often the forces on the feet are needed.
-    pub(super) fn open(run: &Run, setup: &mut Roll) -> Result<Beside, CliError> {
+    pub(super) fn open(run: &RunFlags, setup: &mut Roll) -> Result<Beside, CliError> {
         let film = run.animate.clone().map(|path| (path, Film::new(setup)));
         if let Some((_, film)) = &film {
             setup.forces_every = film.every();

@@ -9,9 +9,8 @@ use saltus::running::Share;
 use serde_json::{Value, json};
 
 use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
-use super::refused;
+use super::{InSpace, refused};
 use crate::cli::Status;
-use crate::cli::run::Run;
 use crate::error::CliError;
 use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
 use crate::progress::Progress;
@@ -42,20 +41,20 @@ struct Told {
     share: Share,
 }
 
-impl Run {
+impl InSpace {
     /// Runs drawn balls and reports their shares.
     pub(super) fn many_balls(&self, setup: &Roll, aim: Aim) -> Result<Status, CliError> {
-        let robots = self.robots.map_or(1, std::num::NonZeroUsize::get);
+        let robots = self.flags.robots.map_or(1, std::num::NonZeroUsize::get);
         let mut files = Files::default();
-        files.extend(self.output.out().map(|out| ("--out", out)));
+        files.extend(self.flags.output.out().map(|out| ("--out", out)));
         files.check()?;
         let draw = DrawnBalls::around(&setup.robot);
         // What is wrong with all of them is bad input, and said before they run.
         roll(setup, |_| false).map_err(|error| refused(error, &setup.robot))?;
         let progress = Progress::new("robots", robots);
-        let runs = parallel::map_on(self.threads.count().get(), robots, |k| {
+        let runs = parallel::map_on(self.flags.threads.count().get(), robots, |k| {
             let mut own = setup.clone();
-            own.robot = drawn_ball(&setup.robot, &draw, self.seed, k)?;
+            own.robot = drawn_ball(&setup.robot, &draw, self.flags.seed, k)?;
             if let Knows::Sensors(seed) = &mut own.knows {
                 *seed = seed.wrapping_add(k as u64);
             }
@@ -65,12 +64,12 @@ impl Run {
             came
         });
         drop(progress);
-        let report = match self.output.format() {
+        let report = match self.flags.output.format() {
             Format::Csv => table(&runs).csv(),
             Format::Json => output::json(&self.shares(setup, aim, &draw, &runs)),
             Format::Text => self.shares_text(setup, aim, &draw, &runs),
         };
-        self.output.write_report(report)?;
+        self.flags.output.write_report(report)?;
         Ok(Status::Done)
     }
 
@@ -78,10 +77,10 @@ impl Run {
         let mut answer = json!({
             "command": "run",
             "robot": setup.robot.name,
-            "gait": self.gait.rolling().name(),
+            "gait": self.gait,
             "by_sensors": setup.knows != Knows::Truth,
             "seconds": setup.seconds,
-            "seed": self.seed,
+            "seed": self.flags.seed,
             "drawn": { "force_factor_standard_deviation": draw.force, "center_of_mass_within_m": draw.center, "friction": draw.friction },
         });
         for told in told(aim, runs) {
@@ -95,7 +94,12 @@ impl Run {
     fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
         let mut text = self.head(&setup.robot);
         let s = if runs.len() == 1 { "" } else { "s" };
-        let _ = writeln!(text, ", {} drawn robot{s}, seed {}", runs.len(), self.seed);
+        let _ = writeln!(
+            text,
+            ", {} drawn robot{s}, seed {}",
+            runs.len(),
+            self.flags.seed
+        );
         let mut line = |name: &str, what: String| {
             let _ = writeln!(text, "  {name:<24} {what}");
         };

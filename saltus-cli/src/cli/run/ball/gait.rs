@@ -1,18 +1,63 @@
 //! How a robot in space rolls: the flags of its gait.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::{Args, Subcommand};
 use saltus::gait::space::{Fires, Gait, Stable, Steered};
-use saltus::gait::{Centre, Program};
 
 use super::came::Aim;
-use super::in_its_plane;
-use crate::cli::run::gait::{Direction, GaitFlags, Kind, Reading};
+use crate::cli::run::gait::{Reading, Tanh, Valve, Zone};
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
 use crate::input;
 use crate::output::full;
-use crate::quantity::Quantity;
+use crate::quantity::{self, Quantity};
+
+/// Gaits of a robot in space.
+#[derive(Debug, Subcommand)]
+pub(in crate::cli::run) enum Ball {
+    /// A robot in space rolls on the legs near one plane, by the firing angle of `open-loop`: twins fire as one leg
+    Disc(Disc),
+    /// The same on the legs that touch, kept in its plane and on its line by twins that open for different times
+    DiscStable(Line),
+    /// A robot in space follows a path by planes that it chooses as it lies, and gets up where it fell
+    Steer(Way),
+    /// The same, thrown down at an attitude and with a spin that are drawn
+    Recover(Way),
+}
+
+#[derive(Args, Debug)]
+pub(in crate::cli::run) struct Disc {
+    #[command(flatten)]
+    tanh: Tanh,
+
+    #[command(flatten)]
+    zone: Zone,
+
+    #[command(flatten)]
+    valve: Valve,
+}
+
+#[derive(Args, Debug)]
+pub(in crate::cli::run) struct Line {
+    /// Heading (rad) of the line, to the left of the first heading
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::heading, allow_hyphen_values = true, default_value = "0")]
+    heading: f64,
+
+    /// The robot knows its motion exactly, in place of what its sensors say
+    #[arg(long)]
+    truth: bool,
+}
+
+#[derive(Args, Debug)]
+pub(in crate::cli::run) struct Way {
+    #[command(flatten)]
+    line: Line,
+
+    /// Path, from (0, 0): a CSV file with x_m, along the first heading, and y_m, to its left
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "heading")]
+    path: Option<PathBuf>,
+}
 
 /// Greatest size of a file with a path (MiB).
 const LIMIT_MIB: u64 = 16;
@@ -65,125 +110,72 @@ fn read(source: &[u8], file: &str) -> Result<Vec<[f64; 2]>, CliError> {
     Ok(points)
 }
 
-/// The first flag that is given.
-fn first(flags: &[(&'static str, bool)]) -> Option<&'static str> {
-    let given = flags.iter().find(|(_, is_given)| *is_given);
-    given.map(|(flag, _)| *flag)
-}
-
-impl GaitFlags {
-    /// The gait of a robot in space.
-    pub(super) fn rolling(&self) -> Kind {
-        let usual = if self.path.is_some() {
-            Kind::Steer
-        } else {
-            Kind::DiscStable
-        };
-        self.gait.unwrap_or(usual)
-    }
-
+impl Ball {
     /// Whether it rolls as in the thesis, which knows nothing of sensors.
     pub(super) fn is_thesis(&self) -> bool {
-        self.rolling() == Kind::Disc
+        matches!(self, Ball::Disc(_))
+    }
+
+    /// Flags of the line and the path that it follows.
+    fn course(&self) -> (Option<&Line>, Option<&Path>) {
+        match self {
+            Ball::Disc(_) => (None, None),
+            Ball::DiscStable(line) => (Some(line), None),
+            Ball::Steer(way) | Ball::Recover(way) => (Some(&way.line), way.path.as_deref()),
+        }
+    }
+
+    /// Whether it knows its motion exactly.
+    pub(super) fn knows_truth(&self) -> bool {
+        self.course().0.is_none_or(|line| line.truth)
+    }
+
+    /// Heading (rad) of its line.
+    pub(super) fn heading(&self) -> f64 {
+        self.course().0.map_or(0.0, |line| line.heading)
     }
 
     /// What it follows.
     pub(super) fn followed(&self) -> &'static str {
-        if self.path.is_some() { "path" } else { "line" }
+        self.course().1.map_or("line", |_| "path")
     }
 
-    /// How a robot in space rolls, and what for.
+    /// How it rolls, and what for.
     pub(super) fn rolls(&self) -> Result<(Gait, Aim), CliError> {
-        self.suits_a_ball()?;
-        let heading = self.heading.unwrap_or(0.0);
-        let kind = self.rolling();
-        let steered = match &self.path {
-            Some(path) => Steered::new(points(path)?),
-            None => Steered::towards(heading),
-        };
-        let led = match (kind, self.path.is_some()) {
-            (_, true) => Aim::Path(steered.path.len()),
-            (Kind::Recover, false) => Aim::Again,
-            (_, false) => Aim::Led,
-        };
-        Ok(match kind {
-            Kind::Steer | Kind::Recover => (Gait::Steered(steered), led),
-            Kind::Disc => (Gait::Disc(self.fires()), Aim::Line),
-            _ => {
+        let line = self.heading();
+        Ok(match self {
+            Ball::Disc(disc) => (Gait::Disc(disc.fires()), Aim::Line),
+            Ball::DiscStable(_) => {
                 let stable = Stable {
-                    line: heading,
+                    line,
                     ..Stable::default()
                 };
                 (Gait::Stable(stable), Aim::Line)
             }
+            Ball::Steer(way) | Ball::Recover(way) => {
+                let steered = match &way.path {
+                    Some(path) => Steered::new(points(path)?),
+                    None => Steered::towards(line),
+                };
+                let aim = match (self, &way.path) {
+                    (_, Some(_)) => Aim::Path(steered.path.len()),
+                    (Ball::Recover(_), None) => Aim::Again,
+                    (_, None) => Aim::Led,
+                };
+                (Gait::Steered(steered), aim)
+            }
         })
     }
+}
 
-    /// Refuses a gait that a robot in space does not have, and the flags of another.
-    fn suits_a_ball(&self) -> Result<(), CliError> {
-        let kind = self.rolling();
-        if !kind.is_in_space() {
-            let allowed = "disc, disc-stable, steer or recover, of a robot in space";
-            return Err(CliError::flag("--gait", kind.name(), allowed));
-        }
-        let of_the_disc = [
-            ("--valve-open", self.valve_open.is_some()),
-            ("--from", self.law.from.is_some()),
-            ("--to", self.law.to.is_some()),
-            ("--steepness", self.law.steepness.is_some()),
-            ("--shift", self.law.shift.is_some()),
-            ("--centre", self.law.centre.is_some()),
-            ("--zone", self.law.zone.is_some()),
-        ];
-        let of_the_plane = [
-            ("--firing-angle", self.law.firing_angle.is_some()),
-            ("--lines", self.law.lines.is_some()),
-            ("--switch", self.law.switch.is_some()),
-            ("--first-slope", self.law.first_slope.is_some()),
-            ("--top-rate", self.law.top_rate.is_some()),
-            ("--knots", self.law.knots.is_some()),
-            ("--aim", self.law.aim.is_some()),
-            ("--speed", self.speed.is_some()),
-            ("--direction", self.direction != Direction::Forwards),
-            ("--taps", self.law.taps.is_some()),
-        ];
-        if let Some(flag) = first(&of_the_plane) {
-            return Err(in_its_plane(flag));
-        }
-        let refused = |flag, gaits: &str| {
-            let allowed = format!("used with --gait {gaits}, not {}", kind.name());
-            Err(CliError::flag(flag, "", allowed))
-        };
-        if kind != Kind::Disc
-            && let Some(flag) = first(&of_the_disc)
-        {
-            return refused(flag, "disc");
-        }
-        if self.path.is_some() && !matches!(kind, Kind::Steer | Kind::Recover) {
-            return refused("--path", "steer or recover");
-        }
-        if self.heading.is_some() && kind == Kind::Disc {
-            return refused("--heading", "disc-stable, steer or recover");
-        }
-        Ok(())
-    }
-
+impl Disc {
     /// The thesis' disc.
     fn fires(&self) -> Fires {
-        let shift = self.law.shift.unwrap_or(3.0);
-        let program = Program::OpenLoop {
-            first: self.law.from.unwrap_or(0.5),
-            last: self.law.to.unwrap_or(0.0),
-            slope: self.law.steepness.unwrap_or(2.1),
-            centre: match self.law.centre.unwrap_or(Reading::Printed) {
-                Reading::Printed => Centre::Printed(shift),
-                Reading::Seconds => Centre::Seconds(shift),
-            },
-        };
+        let first = self.tanh.ends.from.unwrap_or(0.5);
         Fires {
-            program,
-            valve_open: self.valve_open.unwrap_or(0.05),
-            zone: self.law.zone.unwrap_or(-0.3),
+            program: self.tanh.program(first, Reading::Printed),
+            valve_open: self.valve.valve_open.unwrap_or(0.05),
+            zone: self.zone.zone.unwrap_or(-0.3),
         }
     }
 }
