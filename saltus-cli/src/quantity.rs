@@ -186,44 +186,24 @@ impl QuantityError {
     }
 }
 
-/// Parser of a flag.
-pub(crate) fn rate(text: &str) -> Result<f64, QuantityError> {
-    Quantity::RATE.parse(text)
+macro_rules! parsers {
+    ($($name:ident $quantity:ident;)+) => {$(
+        /// Parser of a flag.
+        pub(crate) fn $name(text: &str) -> Result<f64, QuantityError> {
+            Quantity::$quantity.parse(text)
+        }
+    )+};
 }
 
-/// Parser of a flag.
-pub(crate) fn angle(text: &str) -> Result<f64, QuantityError> {
-    Quantity::ANGLE.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn heading(text: &str) -> Result<f64, QuantityError> {
-    Quantity::HEADING.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn distance(text: &str) -> Result<f64, QuantityError> {
-    Quantity::DISTANCE.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn factor(text: &str) -> Result<f64, QuantityError> {
-    Quantity::FACTOR.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn time(text: &str) -> Result<f64, QuantityError> {
-    Quantity::TIME.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn height(text: &str) -> Result<f64, QuantityError> {
-    Quantity::HEIGHT.parse(text)
-}
-
-/// Parser of a flag.
-pub(crate) fn extent(text: &str) -> Result<f64, QuantityError> {
-    Quantity::EXTENT.parse(text)
+parsers! {
+    rate RATE;
+    angle ANGLE;
+    heading HEADING;
+    distance DISTANCE;
+    factor FACTOR;
+    time TIME;
+    height HEIGHT;
+    extent EXTENT;
 }
 
 #[cfg(test)]

@@ -86,29 +86,21 @@ pub(crate) fn linspace(start: f64, stop: f64, count: usize) -> impl Iterator<Ite
     })
 }
 
-/// Parser of a flag.
-pub(crate) fn rates(text: &str) -> Result<Values, RangeError> {
-    Values::parse(text, &Quantity::RATE)
+macro_rules! parsers {
+    ($($name:ident $quantity:ident;)+) => {$(
+        /// Parser of a flag.
+        pub(crate) fn $name(text: &str) -> Result<Values, RangeError> {
+            Values::parse(text, &Quantity::$quantity)
+        }
+    )+};
 }
 
-/// Parser of a flag.
-pub(crate) fn angles(text: &str) -> Result<Values, RangeError> {
-    Values::parse(text, &Quantity::ANGLE)
-}
-
-/// Parser of a flag.
-pub(crate) fn times(text: &str) -> Result<Values, RangeError> {
-    Values::parse(text, &Quantity::TIME)
-}
-
-/// Parser of a flag.
-pub(crate) fn frictions(text: &str) -> Result<Values, RangeError> {
-    Values::parse(text, &Quantity::FACTOR)
-}
-
-/// Parser of a flag.
-pub(crate) fn distances(text: &str) -> Result<Values, RangeError> {
-    Values::parse(text, &Quantity::DISTANCE)
+parsers! {
+    rates RATE;
+    angles ANGLE;
+    times TIME;
+    frictions FACTOR;
+    distances DISTANCE;
 }
 
 #[cfg(test)]
