@@ -27,10 +27,11 @@ fn commands_write_what_moves() {
     let folder = Folder::new("mcap");
     let motion = ["/tf", "/joint_states", "/imu", "/leg", "/ground_reaction"];
     let check = |line: &str, code: i32, more: &[&str]| {
-        folder.done(&format!("{line} --mcap a.mcap"), code);
-        folder.done(&format!("{line} --mcap b.mcap --out report.txt"), code);
-        let [a, b] = ["a.mcap", "b.mcap"].map(|name| std::fs::read(folder.path(name)).unwrap());
-        assert!(a == b, "{line}: the bytes differ");
+        let recorded = || {
+            folder.done(&format!("{line} --mcap a.mcap"), code);
+            std::fs::read(folder.path("a.mcap")).unwrap()
+        };
+        assert!(recorded() == recorded(), "{line}: the bytes differ");
         let topics = topics(&folder, "a.mcap");
         for topic in motion.iter().chain(more) {
             assert!(topics.contains_key(*topic), "{line}: {topic}: {topics:?}");
