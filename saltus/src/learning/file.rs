@@ -336,8 +336,11 @@ fn first_difference(theirs: &Value, ours: &Value) -> [String; 2] {
     [at(&theirs), at(&ours)]
 }
 
+/// A name in a file, and what it makes of a number.
+type Named = (&'static str, fn(f64) -> What);
+
 /// What a disturbance does, by its name in a file.
-const WHATS: [(&str, fn(f64) -> What); 5] = [
+const WHATS: [Named; 5] = [
     ("slope_rad", What::Slope),
     ("force_n", What::Force),
     ("torque_n_m", What::Torque),

@@ -85,7 +85,7 @@ impl Path {
             if let Some(landing) = height.and_then(|it| flight.path.time_to_height(it).ok()) {
                 flight.span[1] = landing;
             }
-            flight.disc.leg = (leg_out > 0.0).then(|| ExtendedLeg {
+            flight.disc.leg = (leg_out > 0.0).then_some(ExtendedLeg {
                 reach: radius + lift_off.extension,
                 until: leg_out,
             });
