@@ -132,11 +132,6 @@ const MOVED: &[Moved] = &[
     ),
     gone(
         "verify",
-        "--scatter",
-        "[errors] of the robot says what is drawn",
-    ),
-    gone(
-        "verify",
         "--accuracy",
         "jumps are integrated with an error of 1e-9 in each step",
     ),

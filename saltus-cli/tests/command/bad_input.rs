@@ -71,7 +71,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("completions", &["<SHELL>"]),
     ("export", &["Usage: saltus export"]),
     ("export sdf", &["unrecognized subcommand 'sdf'"]),
-    ("export c --distance 0.6", &["--out <DIR>"]),
+    ("export c --distance 0.6", &["--out <FOLDER>"]),
     ("export c --out x", &["--distance <LENGTHS>"]),
     (
         "export gait fixed --distance 0.6 --out x",

@@ -55,6 +55,10 @@ pub(crate) struct Verify {
     #[command(flatten)]
     errors: ErrorFlags,
 
+    /// Size of the drawn errors, as a multiple of the robot's [errors]
+    #[arg(long, value_name = "FACTOR", value_parser = quantity::factor, default_value = "1")]
+    scatter: f64,
+
     /// Write a page that plays the jumps in a browser: those without errors, and the worst of the
     /// others
     #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
@@ -246,6 +250,7 @@ impl Verify {
             },
             tolerance: self.tolerance,
             clearance: self.clearance,
+            scatter: self.scatter,
             ..self.errors.verification(100, SHARE)
         }
     }
