@@ -159,6 +159,7 @@ fn commands_that_have_no_tank_refuse_it() {
     let folder = Folder::new("filling-refused");
     let disturbed = [
         "run",
+        "closed-loop",
         "--seconds",
         "1",
         "--disturb",

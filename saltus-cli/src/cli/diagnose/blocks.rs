@@ -46,13 +46,19 @@ pub(super) fn text(blocks: &[Block]) -> String {
     let mut out = String::new();
     for block in blocks {
         match block {
-            Block::Heading(heading) => out += &format!("\n{heading}\n\n"),
+            Block::Heading(heading) => {
+                let _ = writeln!(out, "\n{heading}\n");
+            }
             Block::Words(Lead::Below, words) => out += &wrapped(words, ""),
-            Block::Words(Lead::Apart, words) => out += &format!("\n{}", wrapped(words, "")),
+            Block::Words(Lead::Apart, words) => {
+                let _ = write!(out, "\n{}", wrapped(words, ""));
+            }
             Block::Words(Lead::In, words) => out += &wrapped(words, "  "),
             Block::Table(lines, left) => out += &grid(lines, *left),
             Block::List(lines) => out += &grid(lines, 2),
-            Block::Card(name, blocks) => out += &format!("\n{name}\n{}", text(blocks)),
+            Block::Card(name, blocks) => {
+                let _ = write!(out, "\n{name}\n{}", text(blocks));
+            }
             Block::Steps(steps) => {
                 for (k, step) in steps.iter().enumerate() {
                     out += &wrapped(&format!("{}. {}", k + 1, step.what), "  ");
@@ -72,16 +78,18 @@ pub(super) fn html(blocks: &[Block], charts: &dyn Fn(Charts) -> String) -> Strin
     let mut out = String::new();
     for block in blocks {
         match block {
-            Block::Heading(heading) => out += &format!("<h2>{}</h2>\n", escaped(heading)),
+            Block::Heading(heading) => {
+                let _ = writeln!(out, "<h2>{}</h2>", escaped(heading));
+            }
             Block::Words(_, words) => {
-                out += &format!("<p class=\"small\">{}</p>\n", escaped(words))
+                let _ = writeln!(out, "<p class=\"small\">{}</p>", escaped(words));
             }
             Block::Table(lines, left) => table(&mut out, lines, *left, "th"),
             Block::List(lines) => table(&mut out, lines, 2, "td"),
             Block::Card(name, blocks) => {
                 let name = escaped(name);
                 let inner = html(blocks, charts);
-                out += &format!("<div class=\"card\"><h3>{name}</h3>\n{inner}</div>\n");
+                let _ = writeln!(out, "<div class=\"card\"><h3>{name}</h3>\n{inner}</div>");
             }
             Block::Steps(steps) => {
                 out += "<ol>\n";
@@ -89,7 +97,7 @@ pub(super) fn html(blocks: &[Block], charts: &dyn Fn(Charts) -> String) -> Strin
                     let command = step.command.as_deref().map(escaped);
                     let command = command.map(|it| format!("<br><code>{it}</code>"));
                     let command = command.unwrap_or_default();
-                    out += &format!("<li>{}{command}</li>\n", escaped(&step.what));
+                    let _ = writeln!(out, "<li>{}{command}</li>", escaped(&step.what));
                 }
                 out += "</ol>\n";
             }
