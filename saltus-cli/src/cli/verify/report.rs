@@ -98,7 +98,7 @@ impl Row<'_> {
 
     fn holds(&self, demand: Demand) -> Option<bool> {
         let judgement = self.jump.attempt.judgement(demand);
-        judgement.map(|judgement| judgement.holds())
+        judgement.map(saltus::verify::Judgement::holds)
     }
 
     fn margin(&self, demand: Demand) -> Option<f64> {
