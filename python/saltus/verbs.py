@@ -325,7 +325,6 @@ def diagnose(
     set: Overrides = (),
     extend: PathLike | None = None,
     report: PathLike | None = None,
-    plot: PathLike | None = None,
     model_error: float | None = None,
     known: Mapping[str, Any] | Sequence[str] = (),
     most: int | None = None,

@@ -55,25 +55,14 @@ pub(crate) fn read<const N: usize>(
     file: &str,
     columns: &[Column; N],
 ) -> Result<Vec<Row<N>>, CliError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(source);
-    let header = reader
-        .byte_headers()
-        .map_err(|error| not_csv(&error, source, file))?;
+    let (header, records) = records(source, file)?;
     let mut places = [None; N];
     for (place, column) in places.iter_mut().zip(columns) {
-        *place = find(header, column, columns, file)?;
+        *place = find(&header, column, columns, file)?;
     }
     let mut rows = Vec::new();
-    let mut record = ByteRecord::new();
-    while reader
-        .read_byte_record(&mut record)
-        .map_err(|error| not_csv(&error, source, file))?
-    {
-        let line = record
-            .position()
-            .map_or(0, |position| line(position, source));
+    for record in records {
+        let (line, record) = record?;
         let mut row = [None; N];
         for ((cell, column), place) in row.iter_mut().zip(columns).zip(places) {
             let text = place
@@ -96,22 +85,14 @@ pub(crate) fn words<const N: usize>(
     file: &str,
     names: [&str; N],
 ) -> Result<Option<(u64, [String; N])>, CliError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(source);
-    let header = reader
-        .byte_headers()
-        .map_err(|error| not_csv(&error, source, file))?;
+    let (header, records) = records(source, file)?;
     let places = names.map(|name| header.iter().position(|cell| bare(cell) == name.as_bytes()));
     if places.iter().any(Option::is_none) {
         return Ok(None);
     }
     let mut first: Option<(u64, [String; N])> = None;
-    for record in reader.byte_records() {
-        let record = record.map_err(|error| not_csv(&error, source, file))?;
-        let here = record
-            .position()
-            .map_or(0, |position| line(position, source));
+    for record in records {
+        let (here, record) = record?;
         let cell = |place: Option<usize>| {
             place
                 .and_then(|i| record.get(i))
@@ -134,6 +115,27 @@ pub(crate) fn words<const N: usize>(
         }
     }
     Ok(first)
+}
+
+/// A record and its line.
+type Record = Result<(u64, ByteRecord), CliError>;
+
+/// The header of `source`, and the records below.
+fn records<'a>(
+    source: &'a [u8],
+    file: &'a str,
+) -> Result<(ByteRecord, impl Iterator<Item = Record> + 'a), CliError> {
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(source);
+    let wrong = move |error: csv::Error| not_csv(&error, source, file);
+    let header = reader.byte_headers().map_err(wrong)?.clone();
+    let records = reader.into_byte_records().map(move |record| {
+        let record = record.map_err(wrong)?;
+        let line = record.position().map_or(0, |at| line(at, source));
+        Ok((line, record))
+    });
+    Ok((header, records))
 }
 
 /// A byte order mark is no part of the first name.

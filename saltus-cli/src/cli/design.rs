@@ -15,7 +15,7 @@ use super::Status;
 use super::common::{OutputFlags, RobotFlags};
 use super::diagnose::Claims;
 use crate::error::CliError;
-use crate::output::{self, Format, digits, grid, split, with_unit};
+use crate::output::{self, Format, cells, digits, grid, split, with_unit};
 use crate::progress::Progress;
 
 /// Say what a planned experiment can tell: how often a diagnosis of its data would name each effect
@@ -287,19 +287,7 @@ fn entry(power: &Power) -> Value {
 }
 
 fn table(effects: &[Power]) -> String {
-    let mut lines = vec![
-        [
-            "effect",
-            "size",
-            "seen by",
-            "named",
-            "alone",
-            "nothing",
-            "taken for",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
+    let mut lines = vec![cells("effect|size|seen by|named|alone|nothing|taken for")];
     for power in effects {
         let size = |(name, value): &(String, f64)| {
             let (stem, unit) = split(name);
@@ -330,17 +318,9 @@ fn table(effects: &[Power]) -> String {
 
 /// Jumps that are alike in one line.
 fn jumps(asked: &[Asked]) -> String {
-    let mut lines = vec![
-        [
-            "times",
-            "approach rate",
-            "firing angle",
-            "valve open",
-            "supply (gauge)",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
+    let mut lines = vec![cells(
+        "times|approach rate|firing angle|valve open|supply (gauge)",
+    )];
     let mut rest = asked;
     while let Some(first) = rest.first() {
         let count = rest.iter().take_while(|other| *other == first).count();

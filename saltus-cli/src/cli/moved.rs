@@ -30,127 +30,47 @@ impl fmt::Display for Place {
     }
 }
 
-/// A command, a flag or a value of a flag that the command line does not take any more.
-struct Moved {
-    /// The command.
-    command: &'static str,
-    /// The flag, or the flag and its value; empty for the whole command.
-    words: &'static str,
-    place: Place,
-}
+/// What the command line does not take any more, a line each: a command, a flag or a flag and its
+/// value, and where it is.
+const MOVED: &str = "\
+jump --target -> study ball_jump 0.3,0.2
+jump --heading -> study ball_jump 0.3,0.2
+jump --rest -> study ball_jump 0.3,0.2
+jump --map -> study ball_jump map 0.2
+jump --onto -> study over_box 0.12 2.2 2.2 16 3 100 onto
+jump --constant -> study box
+jump --greatest -> gone try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160
+jump --plot -> gone there is nothing to draw of a box
+run --bears -> study bears steer 40 bears-steer.svg
+run --policy-seed -> gone the best seed runs; `saltus learn --seed 7 --seeds 1` has one alone
+export --policy-seed -> gone the best seed is written; `saltus learn --seed 7 --seeds 1` has one alone
+export --effort -> gone a squared second of open valve costs 0.01 m²/s²
+export --period -> gone it is that of the robot's sensors: --set sensors.period_ms=5
+diagnose --plot -> gone the page of --report has the charts
+diagnose --power -> now saltus design PLAN.toml
+diagnose --effect -> now saltus design PLAN.toml --effect CAUSE=VALUE
+diagnose --propose -> now saltus design PLAN.toml --propose COUNT
+diagnose --inject -> now saltus inject CAUSE=VALUE --out FOLDER
+diagnose --false-alarms -> gone 5 % of data without an effect may be said to have one
+diagnose --samples -> gone each plan of --replan is flown 200 times
+plan --no-slip -> gone friction_coefficient in the course limits what a stance needs
+verify --scatter -> gone [errors] of the robot says what is drawn
+verify --accuracy -> gone jumps are integrated with an error of 1e-9 in each step
+verify --fixed-step -> gone jumps are integrated with an error of 1e-9 in each step
+filling --most -> gone the count ends at 10000 jumps
+";
 
-const MOVED: &[Moved] = &[
-    to_study("jump", "--target", "ball_jump 0.3,0.2"),
-    to_study("jump", "--heading", "ball_jump 0.3,0.2"),
-    to_study("jump", "--rest", "ball_jump 0.3,0.2"),
-    to_study("jump", "--map", "ball_jump map 0.2"),
-    to_study("jump", "--onto", "over_box 0.12 2.2 2.2 16 3 100 onto"),
-    to_study("jump", "--constant", "box"),
-    gone(
-        "jump",
-        "--greatest",
-        "try boxes and pressures in a loop: --set leg.supply_pressure_gauge_psi=160",
-    ),
-    gone("jump", "--plot", "there is nothing to draw of a box"),
-    to_study("run", "--bears", "bears steer 40 bears-steer.svg"),
-    gone(
-        "run",
-        "--policy-seed",
-        "the best seed runs; `saltus learn --seed 7 --seeds 1` has one alone",
-    ),
-    gone(
-        "export",
-        "--policy-seed",
-        "the best seed is written; `saltus learn --seed 7 --seeds 1` has one alone",
-    ),
-    gone(
-        "export",
-        "--effort",
-        "a squared second of open valve costs 0.01 m²/s²",
-    ),
-    gone(
-        "export",
-        "--period",
-        "it is that of the robot's sensors: --set sensors.period_ms=5",
-    ),
-    gone("diagnose", "--plot", "the page of --report has the charts"),
-    to_command("diagnose", "--power", "saltus design PLAN.toml"),
-    to_command(
-        "diagnose",
-        "--effect",
-        "saltus design PLAN.toml --effect CAUSE=VALUE",
-    ),
-    to_command(
-        "diagnose",
-        "--propose",
-        "saltus design PLAN.toml --propose COUNT",
-    ),
-    to_command(
-        "diagnose",
-        "--inject",
-        "saltus inject CAUSE=VALUE --out FOLDER",
-    ),
-    gone(
-        "diagnose",
-        "--false-alarms",
-        "5 % of data without an effect may be said to have one",
-    ),
-    gone(
-        "diagnose",
-        "--samples",
-        "each plan of --replan is flown 200 times",
-    ),
-    gone(
-        "plan",
-        "--no-slip",
-        "friction_coefficient in the course limits what a stance needs",
-    ),
-    gone(
-        "verify",
-        "--scatter",
-        "[errors] of the robot says what is drawn",
-    ),
-    gone(
-        "verify",
-        "--accuracy",
-        "jumps are integrated with an error of 1e-9 in each step",
-    ),
-    gone(
-        "verify",
-        "--fixed-step",
-        "jumps are integrated with an error of 1e-9 in each step",
-    ),
-    gone("filling", "--most", "the count ends at 10000 jumps"),
-];
-
-/// What is a study now.
-const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
-    let place = Place::Study(study);
-    Moved {
-        command,
-        words,
-        place,
-    }
-}
-
-/// What another command line does.
-const fn to_command(command: &'static str, words: &'static str, line: &'static str) -> Moved {
-    let place = Place::Now(line);
-    Moved {
-        command,
-        words,
-        place,
-    }
-}
-
-/// What nothing does.
-const fn gone(command: &'static str, words: &'static str, instead: &'static str) -> Moved {
-    let place = Place::Gone(instead);
-    Moved {
-        command,
-        words,
-        place,
-    }
+/// A line of [`MOVED`]: the words, of which the first is the command, and where they are.
+fn moved() -> impl Iterator<Item = (&'static str, Place)> {
+    MOVED.lines().filter_map(|line| {
+        let (words, rest) = line.split_once(" -> ")?;
+        let place = match rest.split_once(' ')? {
+            ("study", study) => Place::Study(study),
+            ("now", line) => Place::Now(line),
+            (_, instead) => Place::Gone(instead),
+        };
+        Some((words, place))
+    })
 }
 
 /// That a command line which could not be parsed asks for something that has moved.
@@ -165,17 +85,15 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
             _ => vec![word.as_ref()],
         })
         .collect();
-    let is_asked = |moved: &&Moved| {
-        let asked: Vec<&str> = moved.words.split_whitespace().collect();
-        moved.command == command
-            && (asked.is_empty() || words.windows(asked.len()).any(|some| some == asked))
+    let is_asked = |(asked, _): &(&str, Place)| {
+        let mut asked = asked.split(' ');
+        let is_command = asked.next().is_some_and(|it| it == command);
+        let asked: Vec<&str> = asked.collect();
+        is_command && (asked.is_empty() || words.windows(asked.len()).any(|some| some == asked))
     };
-    let moved = MOVED.iter().find(is_asked)?;
-    let asked = format!("{} {}", moved.command, moved.words);
-    Some(CliError::Moved {
-        asked: asked.trim_end().into(),
-        place: moved.place,
-    })
+    let (asked, place) = moved().find(is_asked)?;
+    let asked = asked.to_owned();
+    Some(CliError::Moved { asked, place })
 }
 
 #[cfg(test)]
@@ -190,14 +108,14 @@ mod tests {
     #[test]
     fn who_asks_for_what_moved_is_told_where_it_is() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/src/bin");
-        for moved in MOVED {
-            let line = format!("{} {}", moved.command, moved.words);
-            let line: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+        assert_eq!(moved().count(), MOVED.lines().count());
+        for (words, place) in moved() {
+            let line: Vec<OsString> = words.split(' ').map(OsString::from).collect();
             let words = std::iter::once("saltus".into()).chain(line.iter().cloned());
             assert!(crate::cli::Cli::try_parse_from(words).is_err(), "{line:?}");
             let error = refused(&line).expect("listed").to_string();
-            assert!(error.contains(&moved.place.to_string()), "{error}");
-            if let Place::Study(study) = moved.place {
+            assert!(error.contains(&place.to_string()), "{error}");
+            if let Place::Study(study) = place {
                 let name = study.split_whitespace().next().expect("a name");
                 let file = studies.join(format!("{name}.rs"));
                 assert!(file.is_file() || studies.join(name).is_dir(), "{name}");

@@ -76,7 +76,7 @@ fn columns<'a>(kind: Kind) -> Vec<Column<Row<'a>>> {
     };
     let first: [Column<Row<'a>>; 8] = columns! {
         "omega_rad_s", "ω", |(cell, ..)| cell.rate;
-        target, "", |(cell, ..)| cell.target;
+        target, kind.name(), |(cell, ..)| cell.target;
         "alpha_f_rad", "α_f early", |(cell, ..)| angle(cell, 0);
         "apex_m", "apex", |(cell, ..)| cell.entries.first().and_then(|it| it.jump.apex());
         "land_m", "landing", |(cell, height, _)| cell.entries.first().and_then(|it| it.jump.distance(*height));

@@ -14,7 +14,7 @@ use clap::ValueEnum;
 pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
 pub(crate) use number::{digits, full};
 pub(crate) use share::{in_words, share};
-pub(crate) use table::{Cell, Column, Table, columns, grid};
+pub(crate) use table::{Cell, Column, Table, cells, columns, grid};
 pub(crate) use unit::{split, unit, with_unit};
 
 pub(crate) use crate::session::tell as message;

@@ -114,7 +114,7 @@ pub(crate) type Column<R> = (&'static str, &'static str, fn(&R) -> Cell);
 
 /// Columns of a table, a line each: name, title, and what is in it of a row.
 macro_rules! columns {
-    ($($name:expr, $title:literal, |$row:pat_param| $cell:expr;)+) => {
+    ($($name:expr, $title:expr, |$row:pat_param| $cell:expr;)+) => {
         [$(($name, $title, |$row| $crate::output::Cell::from($cell))),+]
     };
 }
@@ -228,6 +228,11 @@ impl Table {
         lines.extend(self.rows.iter().map(line));
         aligned(&lines, |_| false)
     }
+}
+
+/// The words between the bars of `line`.
+pub(crate) fn cells(line: &str) -> Vec<String> {
+    line.split('|').map(str::to_owned).collect()
 }
 
 /// Lines with their cells under each other: the first `left` columns and the last begin in line,

@@ -229,7 +229,7 @@ macro_rules! golden {
 }
 
 golden! {
-    simulate table law map plan verify run filling jump learn diagnose fit parkour export completions
+    simulate table law map plan verify run filling jump learn diagnose design inject fit parkour export completions
 }
 
 /// Each command that `saltus --help` lists has a transcript, in every format that it has.

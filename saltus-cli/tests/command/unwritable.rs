@@ -190,10 +190,10 @@ fn every_command_refuses_to_overwrite_what_it_reads_before_it_works() {
             _ => (*work, "plane.toml"),
         };
         let work = work.replace("--robot rats-twelve", "");
-        let format = if outputs(command).iter().any(|(flag, _)| flag == "--plot") {
-            "--format text"
-        } else {
+        let format = if command.starts_with("export") {
             ""
+        } else {
+            "--format text"
         };
         if command.starts_with("export") && !["export mjcf", "export urdf"].contains(command) {
             continue;

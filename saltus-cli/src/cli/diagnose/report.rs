@@ -15,7 +15,7 @@ use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, interval, misstated};
-use crate::output::{digits, split, unit, with_unit};
+use crate::output::{cells, digits, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
@@ -602,13 +602,9 @@ impl<'a> Report<'a> {
 
     /// Gain by channel: a header, then lines.
     pub(super) fn gains(&self) -> Vec<Vec<String>> {
-        let mut lines = vec![words(&[
-            "channel",
-            "before",
-            "after",
-            "noise",
-            "after/before (95 % interval)",
-        ])];
+        let mut lines = vec![cells(
+            "channel|before|after|noise|after/before (95 % interval)",
+        )];
         for gain in &self.found.diagnosis.gains {
             let (name, unit) = split(&gain.channel);
             lines.push(vec![
@@ -630,11 +626,11 @@ impl<'a> Report<'a> {
         } else {
             "mean (σ)"
         };
-        let mut header = words(&["channel", "phase", "readings", before, "rms (σ)", "lag-1"]);
+        let mut header = cells(&format!("channel|phase|readings|{before}|rms (σ)|lag-1"));
         if changes {
-            header.extend(words(&["after: mean (σ)", "rms (σ)", "lag-1"]));
+            header.extend(cells("after: mean (σ)|rms (σ)|lag-1"));
         }
-        header.extend(words(&["rms", "not noise because"]));
+        header.extend(cells("rms|not noise because"));
         let mut lines = vec![header];
         for before in &self.before {
             // With the causes found a run need not have that phase.
@@ -647,7 +643,7 @@ impl<'a> Report<'a> {
             ];
             line.extend(numbers(before));
             if changes {
-                line.extend(last.map_or_else(|| words(&["–"; 3]), numbers));
+                line.extend(last.map_or_else(|| cells("–|–|–"), numbers));
             }
             line.push(last.map_or("–".into(), |last| with_unit(last.rms_in_unit(), 3, unit)));
             let faults = last.map_or_else(String::new, |last| last.faults.join(", "));
@@ -680,7 +676,7 @@ impl<'a> Report<'a> {
 
     /// Every cause alone: a header, then lines.
     pub(super) fn tried_lines(&self) -> Vec<Vec<String>> {
-        let mut lines = vec![words(&["cause", "misfit less", "with"])];
+        let mut lines = vec![cells("cause|misfit less|with")];
         for c in self.tried() {
             let said: Vec<String> = self
                 .parameters(c)
@@ -880,10 +876,6 @@ impl<'a> Report<'a> {
         }
         out
     }
-}
-
-fn words(of: &[&str]) -> Vec<String> {
-    of.iter().map(|word| (*word).to_owned()).collect()
 }
 
 /// Mean, root mean square and correlation with the next.
