@@ -11,7 +11,7 @@ are in the names: `omega_rad_s` is a rate in rad/s.
 from ._saltus import SaltusError, __version__
 from .answers import Answer, Columns
 from .jumps import OUTCOMES, Jump, Robot, flight, jump, jumps
-from .verbs import design, diagnose, export, export_policy, filling, fit, inject, jump_over, law, learn, map, plan, run, simulate, table, verify
+from .verbs import design, diagnose, export, export_gait, export_policy, filling, fit, inject, jump_over, law, learn, map, plan, run, simulate, table, verify
 
 __all__ = [
     "OUTCOMES",
@@ -24,6 +24,7 @@ __all__ = [
     "design",
     "diagnose",
     "export",
+    "export_gait",
     "export_policy",
     "filling",
     "fit",

@@ -26,6 +26,7 @@ __all__ = [
     "design",
     "diagnose",
     "export",
+    "export_gait",
     "filling",
     "fit",
     "inject",
@@ -202,8 +203,8 @@ def verify(
 
 
 def run(
+    gait: str = "closed-loop",
     *,
-    gait: str | None = None,
     heading_rad: float | None = None,
     path: PathLike | None = None,
     truth: bool = False,
@@ -244,17 +245,19 @@ def run(
 ) -> Answer:
     """A run of a robot whose legs are fired in turn. A stall is an answer: `answer.yes` is false.
 
-    `policy` is a file that `saltus learn --out` wrote. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
+    `gait` is that of the command; each takes flags of its own. `policy`, a file that `saltus learn --out` wrote, runs in its place. `knots` are (rate, angle, time), `speed` (time, speed in m/s). With `rows` the answer has a row
     for each cycle, as `--format csv` does (one robot in its plane). `heading_rad`, `path` (a CSV file) and `truth` are of a
     robot in space."""
-    arguments = {name: value for name, value in locals().items() if name != "rows"}
+    arguments = {name: value for name, value in locals().items() if name not in ("gait", "policy", "rows")}
+    verb = f"run {gait}" if policy is None else "run policy"
+    file: tuple[PathLike, ...] = () if policy is None else (policy,)
     if not rows:
-        return ask("run", (), arguments)
+        return ask(verb, file, arguments)
     if telemetry is not None:
-        answer = ask("run", (), arguments)
+        answer = ask(verb, file, arguments)
         return Answer(answer.json, answer.yes, answer.messages, Columns.of_csv(Path(telemetry, "cycles.csv")))
     with tempfile.TemporaryDirectory(prefix="saltus-") as folder:
-        answer = ask("run", (), {**arguments, "telemetry": Path(folder, "run")})
+        answer = ask(verb, file, {**arguments, "telemetry": Path(folder, "run")})
         return Answer(answer.json, answer.yes, answer.messages, Columns.of_csv(Path(folder, "run", "cycles.csv")))
 
 
@@ -404,15 +407,6 @@ def export(
     extra_delay_s: float | None = None,
     tolerance_m: float | None = None,
     real: str | None = None,
-    gait: str | None = None,
-    lines: str | None = None,
-    firing_angle_rad: float | None = None,
-    from_rad: float | None = None,
-    to_rad: float | None = None,
-    knots: Sequence[tuple[float, float, float]] | None = None,
-    aim: str | None = None,
-    zone_rad: float | None = None,
-    taps: ArrayLike | None = None,
     plant: RobotLike | None = None,
     plant_set: Overrides = (),
     threads: int | None = None,
@@ -432,6 +426,35 @@ def export(
     if not yes:
         raise SaltusError(report)
     return report
+
+
+def export_gait(
+    gait: str,
+    *,
+    out: PathLike,
+    firing_angle_rad: float | None = None,
+    valve_open_s: float | None = None,
+    from_rad: float | None = None,
+    to_rad: float | None = None,
+    steepness_per_s: float | None = None,
+    shift: float | None = None,
+    centre: str | None = None,
+    lines: str | None = None,
+    switch_rad_s: float | None = None,
+    first_slope_s: float | None = None,
+    top_rate_rad_s: float | None = None,
+    knots: Sequence[tuple[float, float, float]] | None = None,
+    aim: str | None = None,
+    zone_rad: float | None = None,
+    taps: ArrayLike | None = None,
+    real: str | None = None,
+    robot: RobotLike | None = None,
+    set: Overrides = (),
+) -> str:
+    """What decides on a running robot, in C: the gaits of `run` that a robot's own processor knows. Gives what heads
+    the files in the folder `out`."""
+    arguments = {name: value for name, value in locals().items() if name != "gait"}
+    return words_of(f"export gait {gait}", (), arguments, ())[1]
 
 
 def export_policy(
