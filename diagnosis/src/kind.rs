@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
+use crate::experiment::Experiment;
+use crate::noise;
 use crate::prior::Prior;
 
 /// A measured column.
@@ -59,6 +61,27 @@ pub struct Parameter {
     pub starts: Vec<f64>,
 }
 
+impl Parameter {
+    /// One whose search starts at its neutral value.
+    pub fn new(name: &str, neutral: f64, bounds: (f64, f64), scale: f64) -> Parameter {
+        Parameter {
+            name: name.into(),
+            neutral,
+            bounds,
+            scale,
+            starts: Vec::new(),
+        }
+    }
+
+    /// With more starts of its search.
+    pub fn starting(self, starts: &[f64]) -> Parameter {
+        Parameter {
+            starts: starts.to_vec(),
+            ..self
+        }
+    }
+}
+
 /// A named effect that may be at work: a term of the model, off where each parameter is neutral.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cause {
@@ -108,6 +131,12 @@ impl Cause {
     pub(crate) fn usual(mut self, error: f64, why: &'static str) -> Cause {
         let value = self.parameters[0].neutral;
         self.priors = vec![(0, Prior::common(value, error, why))];
+        self
+    }
+
+    /// As one that is about a column.
+    pub(crate) fn of_column(mut self, column: &str) -> Cause {
+        self.column = Some(column.into());
         self
     }
 
@@ -227,6 +256,37 @@ impl Terms {
     }
 }
 
+/// The measurements of an experiment, and what could be wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    /// What was measured.
+    pub channels: Vec<Channel>,
+    /// The runs.
+    pub logs: Vec<Log>,
+    /// What could be wrong.
+    pub causes: Vec<Cause>,
+    /// How many of the causes, the first ones, are none: what nobody knows of the machine, and is
+    /// the same in all runs. Their parameters are part of every model.
+    pub common: usize,
+    /// How many of the causes have an id; those after them are terms that describe what no listed
+    /// cause explains.
+    pub listed: usize,
+    /// What of the data is used, and what is not.
+    pub notes: Vec<String>,
+}
+
+impl Data {
+    /// The channels and runs of the columns `indices`, as yet without causes.
+    pub(crate) fn of(experiment: &Experiment, indices: &[usize]) -> Data {
+        let log = |run| noise::log(experiment, run, indices);
+        Data {
+            channels: noise::channels(experiment, indices),
+            logs: experiment.runs.iter().map(log).collect(),
+            ..Data::default()
+        }
+    }
+}
+
 /// An experiment that was not done: one run of it, and which of its causes are those of the
 /// experiment that was.
 pub struct Proposal {
@@ -238,23 +298,41 @@ pub struct Proposal {
 
 /// An experiment of a kind: its data, and the model of them.
 pub trait Kind: Sync {
-    /// What was measured.
-    fn channels(&self) -> &[Channel];
+    /// Its measurements, and what could be wrong; the next six are parts of this.
+    fn data(&self) -> &Data;
 
-    /// The runs.
-    fn logs(&self) -> &[Log];
+    /// See [`Data::channels`].
+    fn channels(&self) -> &[Channel] {
+        &self.data().channels
+    }
+
+    /// See [`Data::logs`].
+    fn logs(&self) -> &[Log] {
+        &self.data().logs
+    }
+
+    /// See [`Data::causes`].
+    fn causes(&self) -> &[Cause] {
+        &self.data().causes
+    }
+
+    /// See [`Data::common`].
+    fn common(&self) -> usize {
+        self.data().common
+    }
+
+    /// See [`Data::listed`].
+    fn listed(&self) -> usize {
+        self.data().listed
+    }
+
+    /// See [`Data::notes`].
+    fn notes(&self) -> Vec<String> {
+        self.data().notes.clone()
+    }
 
     /// What is not known of a run, its start above all.
     fn unknowns(&self, run: usize) -> Vec<Parameter>;
-
-    /// What could be wrong.
-    fn causes(&self) -> &[Cause];
-
-    /// How many of the causes, the first ones, are none: what nobody knows of the machine, and is
-    /// the same in all runs. Their parameters are part of every model.
-    fn common(&self) -> usize {
-        0
-    }
 
     /// How many causes may be at work at a time, where nobody says.
     fn most(&self) -> usize {
@@ -270,12 +348,6 @@ pub trait Kind: Sync {
     /// Which runs belong together, as parts of one: they are left out together.
     fn group(&self, run: usize) -> usize {
         run
-    }
-
-    /// How many of the causes have an id; those after them are terms that describe what no listed
-    /// cause explains.
-    fn listed(&self) -> usize {
-        self.causes().len()
     }
 
     /// Error of the model itself, in standard deviations of a reading: smaller misfits are not
@@ -317,11 +389,6 @@ pub trait Kind: Sync {
     /// What to measure where these data hardly show an effect, so that they show it more.
     fn stronger(&self) -> String {
         "runs in which it shows more".into()
-    }
-
-    /// What of the data is used, and what is not.
-    fn notes(&self) -> Vec<String> {
-        Vec::new()
     }
 
     /// Experiments that were not done and could tell causes apart.

@@ -52,7 +52,7 @@ pub use finding::{Alone, Candidate, Diagnosis, Finding, Reported, Small};
 pub use fit::Fit;
 pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
-pub use kind::{Cause, Channel, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
+pub use kind::{Cause, Channel, Data, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
 pub use known::{Deviation, Known, KnownError, check_known};
 pub use named::{meaning, named};
 pub use next::NextExperiment;

@@ -9,7 +9,7 @@ use saltus_robot::Robot;
 
 use crate::fit::Fit;
 use crate::fitness;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Proposal, Terms};
 use crate::known;
 use crate::policy::POLICY;
 use crate::settings::Settings;
@@ -112,6 +112,10 @@ impl Question {
 }
 
 impl Kind for View<'_> {
+    fn data(&self) -> &Data {
+        self.kind.data()
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let question = Question {
             terms: terms.clone(),
@@ -164,10 +168,6 @@ impl Kind for View<'_> {
         &self.causes
     }
 
-    fn common(&self) -> usize {
-        self.kind.common()
-    }
-
     fn most(&self) -> usize {
         self.kind.most()
     }
@@ -178,10 +178,6 @@ impl Kind for View<'_> {
 
     fn group(&self, run: usize) -> usize {
         self.kind.group(run)
-    }
-
-    fn listed(&self) -> usize {
-        self.kind.listed()
     }
 
     fn trust(&self) -> f64 {

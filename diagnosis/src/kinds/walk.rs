@@ -196,9 +196,9 @@ fn of(experiment: &Experiment) -> Result<Motions, Problem> {
 
 /// Each step as a run, with the leg that stands and the walk that it is of.
 fn cut(experiment: &Experiment) -> (Experiment, Vec<Piece>) {
-    let column = |name: &str| experiment.columns.iter().position(|c| c == name);
-    let stands = column("outer_leg_stands").unwrap_or(0);
-    let needed = ["lean_rad", "hip_angle_rad", "torque_nm"].map(|name| column(name).unwrap_or(0));
+    let column = |name| experiment.column(name).unwrap_or(0);
+    let stands = column("outer_leg_stands");
+    let needed = ["lean_rad", "hip_angle_rad", "torque_nm"].map(column);
     let (mut steps, mut pieces) = (Vec::new(), Vec::new());
     for (group, run) in experiment.runs.iter().enumerate() {
         let (mut from, mut number) = (0, 0);

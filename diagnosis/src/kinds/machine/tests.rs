@@ -4,6 +4,7 @@ use super::plant::Row;
 use super::*;
 use crate::fit;
 use crate::folds::folds;
+use crate::kind::Cause;
 use crate::mechanism::{Law, Side, Spring};
 use crate::settings::Settings;
 use crate::toy::{self, terms};
