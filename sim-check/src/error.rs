@@ -162,3 +162,12 @@ pub(crate) fn positive(name: impl Display, x: f64) -> Result<(), SimError> {
 pub(crate) fn not_negative(name: impl Display, x: f64) -> Result<(), SimError> {
     require(x >= 0.0 && x.is_finite(), name, x, "a finite number ≥ 0")
 }
+
+/// Returns the error of the first number that is not allowed. Each has a row: name, value, whether
+/// it is allowed, and what is.
+macro_rules! ensure {
+    ($($name:expr, $value:expr, $holds:expr => $allowed:expr;)+) => {
+        $($crate::error::require($holds, $name, $value, $allowed)?;)+
+    };
+}
+pub(crate) use ensure;

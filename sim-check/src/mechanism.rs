@@ -4,7 +4,7 @@ use saltus_pneumatics::{Feed, Leg};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Material, Surface, Travel};
-use crate::error::{finite, not_negative, require};
+use crate::error::{ensure, finite, not_negative, require};
 use crate::spatial::Vec3;
 use crate::tree::{Joint, Pose, Tree};
 
@@ -89,12 +89,10 @@ impl JointParts {
             not_negative(what, x)?;
         }
         let (rest, (low, high)) = (self.spring.1, self.stops);
-        require(
-            ![rest, low, high].iter().any(|x| x.is_nan()),
-            format_args!("rest or stop in the joint of '{name}'"),
-            f64::NAN,
-            "a number",
-        )?;
+        ensure! {
+            format_args!("rest or stop in the joint of '{name}'"), f64::NAN, ![rest, low, high].iter().any(|x| x.is_nan())
+                => "a number";
+        }
         let spring = format_args!("rest of the spring in the joint of '{name}'");
         finite(spring, &[rest])?;
         let stops = format_args!("stops in the joint of '{name}', low above high");
@@ -188,12 +186,10 @@ impl Mechanism {
 
     fn check_point(&self, point: &ContactPoint) -> Result<(), SimError> {
         let (name, body) = (&point.name, point.body);
-        require(
-            body < self.tree.bodies().len(),
-            format_args!("body of point '{name}'"),
-            body as f64,
-            "one of the tree's",
-        )?;
+        ensure! {
+            format_args!("body of point '{name}'"), body as f64, body < self.tree.bodies().len()
+                => "one of the tree's";
+        }
         not_negative(format_args!("radius of point '{name}' (m)"), point.radius)?;
         finite(
             format_args!("centre of point '{name}' (m)"),

@@ -8,7 +8,7 @@ use saltus_robot::{Robot, Space, Struts};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
-use crate::error::require;
+use crate::error::{ensure, require};
 use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
@@ -240,12 +240,7 @@ impl Rig {
         let (lean_key, rate_key) = ("start lean (rad)", "approach rate (rad/s)");
         let is_up = lean.abs() < std::f64::consts::FRAC_PI_2;
         require(is_up, lean_key, lean, "between -pi/2 and pi/2")?;
-        require(
-            rate.abs() < 1e3,
-            rate_key,
-            rate,
-            "a finite number below 1000",
-        )?;
+        ensure! { rate_key, rate, rate.abs() < 1e3 => "a finite number below 1000"; }
         let tree = &self.mechanism.tree;
         let (mut q, mut v) = (vec![0.0; tree.coordinates()], vec![0.0; tree.velocities()]);
         q[self.lean_coordinate()] = lean;
@@ -288,12 +283,7 @@ impl Rig {
     /// does not stand on two.
     pub fn rest(&self, rear: usize) -> Result<Vec<f64>, SimError> {
         let legs = self.legs.len();
-        require(
-            legs >= 3,
-            "legs of a robot that stands on two",
-            legs as f64,
-            "at least 3",
-        )?;
+        ensure! { "legs of a robot that stands on two", legs as f64, legs >= 3 => "at least 3"; }
         require(rear < legs, "leg", rear as f64, "the number of a leg")?;
         let front = (rear + 1) % legs;
         let pitch = std::f64::consts::TAU / legs as f64;
@@ -321,12 +311,7 @@ impl Rig {
             q[unknowns[1]] -= (slopes[0][0] * now[1] - slopes[0][1] * now[0]) / determinant;
         }
         let stands = q.iter().all(|x| x.is_finite());
-        require(
-            stands,
-            "slope of the ground",
-            f64::NAN,
-            "one on which the robot stands",
-        )?;
+        ensure! { "slope of the ground", f64::NAN, stands => "one on which the robot stands"; }
         Ok(q)
     }
 
@@ -339,12 +324,7 @@ impl Rig {
         let tree = &self.mechanism.tree;
         let is_free = matches!(tree.bodies()[self.wheel].joint, Joint::Free);
         let joint = self.wheel as f64;
-        require(
-            is_free,
-            "body of a robot in space",
-            joint,
-            "one that moves freely",
-        )?;
+        ensure! { "body of a robot in space", joint, is_free => "one that moves freely"; }
         let (down, ahead) = (Vec3::from(rest.down), Vec3::from(*ahead));
         let level = ahead - down * ahead.dot(&down);
         let length = level.norm();

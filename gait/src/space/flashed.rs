@@ -12,7 +12,7 @@ use super::disc::Facing;
 use super::sensing::{feet, filter, scales};
 use super::steer::Steered;
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// The constants of a ball's controller, in numbers `R`.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,17 +57,12 @@ impl Flashed<f64> {
         let legs = f64::from(robot.body.legs);
         let directions = robot.space.as_ref().map(|space| space.directions.vectors());
         let allowed = "of a robot in space: body.shape = \"sphere\"";
-        require(directions.is_some(), "legs", legs, allowed)?;
+        ensure! { "legs", legs, directions.is_some() => allowed; }
         let directions = directions.unwrap_or_default();
         let planes = Facing::every(&discs(&directions));
         let planes: Vec<FlashedPlane<f64>> = planes.iter().map(FlashedPlane::of).collect();
         let allowed = "such that the robot can roll: a plane has to hold four legs or more, and to be the mirror of the other legs";
-        require(
-            !planes.is_empty(),
-            "legs.directions",
-            planes.len() as f64,
-            allowed,
-        )?;
+        ensure! { "legs.directions", planes.len() as f64, !planes.is_empty() => allowed; }
         let Feet { reach, radius, .. } = feet(robot, &directions);
         Ok(Flashed {
             filter: filter(robot),
