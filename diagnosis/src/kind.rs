@@ -45,6 +45,13 @@ pub struct Log {
     pub readings: Vec<Reading>,
 }
 
+impl Log {
+    /// The readings of a channel.
+    pub fn of(&self, channel: usize) -> impl Iterator<Item = &Reading> {
+        self.readings.iter().filter(move |r| r.channel == channel)
+    }
+}
+
 /// A number that is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -301,6 +308,11 @@ pub trait Kind: Sync {
     /// Its measurements, and what could be wrong; the next six are parts of this.
     fn data(&self) -> &Data;
 
+    /// The kind that this one looks at its own way, which answers what this one does not.
+    fn inner(&self) -> Option<&dyn Kind> {
+        None
+    }
+
     /// See [`Data::channels`].
     fn channels(&self) -> &[Channel] {
         &self.data().channels
@@ -336,35 +348,38 @@ pub trait Kind: Sync {
 
     /// How many causes may be at work at a time, where nobody says.
     fn most(&self) -> usize {
-        3
+        self.inner().map_or(3, Kind::most)
     }
 
     /// Whether each run is of a machine of its own, so that none of them tells of another: blocks of
     /// each are then left out, and not whole runs.
     fn is_apart(&self) -> bool {
-        false
+        self.inner().is_some_and(Kind::is_apart)
     }
 
     /// Which runs belong together, as parts of one: they are left out together.
     fn group(&self, run: usize) -> usize {
-        run
+        self.inner().map_or(run, |kind| kind.group(run))
     }
 
     /// Error of the model itself, in standard deviations of a reading: smaller misfits are not
     /// reported.
     fn trust(&self) -> f64 {
-        0.1
+        self.inner().map_or(0.1, Kind::trust)
     }
 
     /// Standard deviation of the model's own error, in standard deviations of a reading: a smooth
     /// process in time, which is part of the noise.
     fn discrepancy(&self) -> f64 {
-        self.trust()
+        let own = || self.trust();
+        self.inner().map_or_else(own, Kind::discrepancy)
     }
 
     /// Standard deviations by which `cause` must change readings to be claimed.
-    fn least_effect(&self, _cause: usize) -> f64 {
-        self.trust()
+    fn least_effect(&self, cause: usize) -> f64 {
+        let own = || self.trust();
+        self.inner()
+            .map_or_else(own, |kind| kind.least_effect(cause))
     }
 
     /// What the model says of each reading of a run; none where it has no answer.
@@ -372,28 +387,30 @@ pub trait Kind: Sync {
 
     /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where
     /// no input is measured.
-    fn input_noise(&self, _run: usize, _normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
-        None
+    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
+        self.inner()?.input_noise(run, normal)
     }
 
     /// Phases of a run: their names, and when (s) each begins.
-    fn phases(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        Vec::new()
+    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        let of = |kind: &dyn Kind| kind.phases(run, terms, unknowns);
+        self.inner().map_or_else(Vec::new, of)
     }
 
     /// The robot with the terms on, where the experiment is of a robot.
-    fn robot(&self, _terms: &Terms) -> Option<Robot> {
-        None
+    fn robot(&self, terms: &Terms) -> Option<Robot> {
+        self.inner()?.robot(terms)
     }
 
     /// What to measure where these data hardly show an effect, so that they show it more.
     fn stronger(&self) -> String {
-        "runs in which it shows more".into()
+        let said = self.inner().map(Kind::stronger);
+        said.unwrap_or_else(|| "runs in which it shows more".into())
     }
 
     /// Experiments that were not done and could tell causes apart.
     fn proposals(&self) -> Vec<Proposal> {
-        Vec::new()
+        self.inner().map_or_else(Vec::new, Kind::proposals)
     }
 }
 

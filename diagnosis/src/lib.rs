@@ -32,6 +32,7 @@ mod policy;
 mod power;
 mod prior;
 mod profile;
+mod recent;
 mod report;
 mod residuals;
 pub mod rig;

@@ -228,9 +228,10 @@ pub struct Footfall {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ending {
     /// It ran, or rolled, to the end of its time.
+    #[default]
     Ran,
     /// It stood still at the end, since a time (s), at a travel (m).
     Stalled {
@@ -242,7 +243,7 @@ pub enum Ending {
 }
 
 /// What a run came to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// How it ended.
     pub ending: Ending,
@@ -457,29 +458,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             extensions: vec![0.0; legs],
             pressures: vec![0.0; legs],
             summary: Summary {
-                ending: Ending::Ran,
-                time: 0.0,
-                travel: 0.0,
-                way: 0.0,
-                mean_speed: 0.0,
-                last_speed: 0.0,
-                top_speed: 0.0,
-                speed_at_1_6: None,
-                reached_3_2: None,
-                time_to_1_6_m: None,
-                firings: 0,
-                touch_downs: 0,
-                bumps: Vec::new(),
-                bump_count: 0,
                 clearances: vec![f64::INFINITY; setup.obstacles.len()],
-                gas: 0.0,
                 leg_work: vec![0.0; legs],
                 leg_loss: vec![0.0; legs],
                 start: ledger,
                 ledger,
-                residual: 0.0,
-                gas_residual: 0.0,
                 rear,
+                ..Summary::default()
             },
             stored,
             carried,

@@ -4,7 +4,7 @@ use saltus_pneumatics::{Feed, Leg};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Material, Surface, Travel};
-use crate::error::{ensure, finite, not_negative, require};
+use crate::error::{ensure, finite, length, not_negative, require};
 use crate::spatial::Vec3;
 use crate::tree::{Joint, Pose, Tree};
 
@@ -160,14 +160,7 @@ impl Mechanism {
 
     /// Checks every number, and that each joint has something to move at coordinates `q`.
     pub(crate) fn check(&self, q: &[f64]) -> Result<(), SimError> {
-        let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
-        if given != wanted {
-            return Err(SimError::Length {
-                name: "joints",
-                given,
-                wanted,
-            });
-        }
+        length("joints", self.joints.len(), self.tree.bodies().len())?;
         finite("gravity (m/s²)", self.gravity.as_slice())?;
         self.material.check()?;
         self.surfaces.iter().try_for_each(Surface::check)?;
@@ -207,12 +200,9 @@ impl Mechanism {
             not_negative("drag coefficient (kg/m)", drag.coefficient)?;
         }
         finite("force from outside (N or N m)", &self.forces)?;
-        if !self.forces.is_empty() && self.forces.len() != self.tree.velocities() {
-            return Err(SimError::Length {
-                name: "forces from outside",
-                given: self.forces.len(),
-                wanted: self.tree.velocities(),
-            });
+        if !self.forces.is_empty() {
+            let wanted = self.tree.velocities();
+            length("forces from outside", self.forces.len(), wanted)?;
         }
         match self.travel {
             Travel::Around(center) => finite("centre of the travel (m)", center.as_slice()),

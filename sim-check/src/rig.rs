@@ -370,14 +370,9 @@ impl Rig {
     pub fn foot_motion(&self, leg: usize, q: &[f64], v: &[f64]) -> (f64, [f64; 3]) {
         let mut pose = Pose::default();
         pose.set(&self.mechanism.tree, q, v);
-        let point = &self.mechanism.points[leg];
-        let center = pose.frames[point.body].point(&point.center);
-        let near = self.mechanism.surfaces[0].proximity(&center);
-        let place = center - near.normal * point.radius;
-        let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
-        let speed = pose.velocities[point.body].at(&place);
-        let speeds = [near.normal, along, across].map(|way| speed.dot(&way));
-        (near.distance - point.radius, speeds)
+        let (gap, place, ways) = self.foot_in(&pose, leg);
+        let speed = pose.velocities[self.mechanism.points[leg].body].at(&place);
+        (gap, ways.map(|way| speed.dot(&way)))
     }
 
     /// A force (N) on the foot of leg `leg` in world axes, of its `parts` along the ground's normal,
@@ -386,13 +381,23 @@ impl Rig {
     /// # Panics
     /// For a leg that is not there, and coordinates that are not the rig's.
     pub fn force_on_foot(&self, leg: usize, q: &[f64], parts: [f64; 3]) -> Vec3 {
-        let pose = self.pose_at(q);
+        let (_, _, [normal, along, across]) = self.foot_in(&self.pose_at(q), leg);
+        normal * parts[0] + along * parts[1] + across * parts[2]
+    }
+
+    /// Gap (m) between the foot of leg `leg` and the ground, where it is nearest, and the directions
+    /// there: along the ground's normal, along the travel and across it.
+    fn foot_in(&self, pose: &Pose, leg: usize) -> (f64, Vec3, [Vec3; 3]) {
         let point = &self.mechanism.points[leg];
         let center = pose.frames[point.body].point(&point.center);
         let near = self.mechanism.surfaces[0].proximity(&center);
         let place = center - near.normal * point.radius;
         let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
-        near.normal * parts[0] + along * parts[1] + across * parts[2]
+        (
+            near.distance - point.radius,
+            place,
+            [near.normal, along, across],
+        )
     }
 
     /// Gap (m) between foot 0 and the ground, and where it is nearest.
@@ -402,14 +407,8 @@ impl Rig {
 
     /// The same for the foot of leg `leg`.
     fn foot_of(&self, leg: usize, q: &[f64]) -> (f64, Vec3) {
-        let pose = self.pose_at(q);
-        let point = &self.mechanism.points[leg];
-        let center = pose.frames[point.body].point(&point.center);
-        let near = self.mechanism.surfaces[0].proximity(&center);
-        (
-            near.distance - point.radius,
-            center - near.normal * point.radius,
-        )
+        let (gap, place, _) = self.foot_in(&self.pose_at(q), leg);
+        (gap, place)
     }
 
     fn slope_of_gap(&self, q: &[f64]) -> f64 {

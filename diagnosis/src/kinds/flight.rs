@@ -238,7 +238,7 @@ impl Kind for Flights {
         );
         let mut all = Vec::new();
         for (channel, &is_height) in self.is_height.iter().enumerate() {
-            let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).collect();
+            let here: Vec<_> = self.data.logs[run].of(channel).collect();
             let start = here.first().map_or(0.0, |r| r.value);
             // From the first tenth of the flight.
             let later = here.get((here.len() / 10).max(1)).or(here.last());

@@ -18,7 +18,7 @@ use super::{Causes, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
-use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows, Way};
+use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows};
 use crate::spec::{
     Column, Domain, FORCE, LEAP_ON, PART, Problem, Source, Spec, Synthesis, TURN_ON, calm, noisy,
     without,
@@ -317,15 +317,7 @@ fn two_links(draw: &mut Draw) -> Mechanism {
         let inertia = round(draw.between(0.2, 0.5) * mass * center * center);
         Link {
             name: name.into(),
-            joint: Joint {
-                name: name.into(),
-                parent,
-                way: Way::Turns { back: false },
-                at,
-                angle: 0.0,
-                friction: 0.0,
-                damping: 0.0,
-            },
+            joint: Joint::turning(name, parent, at),
             mass,
             center: [0.0, -center],
             inertia: Inertia::Center(inertia),

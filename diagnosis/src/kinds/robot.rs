@@ -197,14 +197,8 @@ impl Firings {
             return false;
         };
         let first = |log: &Log, channel: usize| {
-            let mut values: Vec<f64> = log
-                .readings
-                .iter()
-                .filter(|r| r.channel == channel)
-                .take(5)
-                .map(|r| r.value)
-                .collect();
-            median(&mut values)
+            let first = log.of(channel).take(5);
+            median(&mut first.map(|r| r.value).collect::<Vec<f64>>())
         };
         let votes = self.data.logs.iter().map(|log| {
             let (turn, lean) = (first(log, turn), first(log, lean));
@@ -461,11 +455,7 @@ impl Kind for Firings {
         let readings = &self.data.logs[run].readings;
         let first = |column: Column| -> Option<(f64, f64)> {
             let channel = self.columns.iter().position(|c| *c == column)?;
-            let here: Vec<_> = readings
-                .iter()
-                .filter(|r| r.channel == channel)
-                .take(30)
-                .collect();
+            let here: Vec<_> = self.data.logs[run].of(channel).take(30).collect();
             let mut values: Vec<f64> = here.iter().take(5).map(|r| r.value).collect();
             let (a, b) = (here.first()?, here.last()?);
             let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);

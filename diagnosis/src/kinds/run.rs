@@ -19,7 +19,7 @@ use std::sync::Arc;
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
 use crate::fit::{self, DIFFERENCE, Fit, STEPS};
-use crate::kind::{Data, Kind, Parameter, Proposal, Terms};
+use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
@@ -313,6 +313,10 @@ impl Kind for Strides {
         self.firings.data()
     }
 
+    fn inner(&self) -> Option<&dyn Kind> {
+        Some(&self.firings)
+    }
+
     /// Lean and rate of a stride that begins on its foot, and where that stands; of one that begins in
     /// the air lean, pivot and place with their rates.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
@@ -321,14 +325,6 @@ impl Kind for Strides {
             unknown.neutral = *found;
         }
         all
-    }
-
-    fn trust(&self) -> f64 {
-        self.firings.trust()
-    }
-
-    fn least_effect(&self, cause: usize) -> f64 {
-        self.firings.least_effect(cause)
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
@@ -348,19 +344,7 @@ impl Kind for Strides {
         Some(all)
     }
 
-    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        self.firings.phases(run, terms, unknowns)
-    }
-
-    fn robot(&self, terms: &Terms) -> Option<Robot> {
-        self.firings.robot(terms)
-    }
-
     fn stronger(&self) -> String {
         "runs at several speeds, valve opening times and supply pressures".into()
-    }
-
-    fn proposals(&self) -> Vec<Proposal> {
-        self.firings.proposals()
     }
 }

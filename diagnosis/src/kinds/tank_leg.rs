@@ -9,8 +9,7 @@ mod flight;
 mod rig;
 mod synthesis;
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use saltus_robot::Robot;
 use saltus_robot::units::{Quantity, Unit};
@@ -18,6 +17,7 @@ use saltus_robot::units::{Quantity, Unit};
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Sort};
 use crate::kind::{Data, Kind, Log, Parameter, Terms};
+use crate::recent::Recent;
 use crate::spec::{
     Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
     TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
@@ -213,43 +213,16 @@ impl Flights {
 /// cause that is tried beside others begins at the same one, with the same derivatives.
 const KEPT: usize = 400;
 
-/// A course with the machine and the pressure (Pa) of the tank that it is of.
-type Known = (Changed, f64, Option<Arc<Course>>);
-
-/// Courses of a run, the latest last.
-#[derive(Debug, Default)]
-struct Courses(Mutex<VecDeque<Known>>);
-
-impl Clone for Courses {
-    fn clone(&self) -> Courses {
-        Courses::default()
-    }
-}
+/// What a machine does in a run from a pressure (Pa) of its tank on.
+type Courses = Recent<(f64, Changed), Option<Arc<Course>>>;
 
 impl Flights {
     /// What run `run` does.
     fn course(&self, run: usize, changed: Changed, tank: f64, last: f64) -> Option<Arc<Course>> {
-        let kept = || {
-            let all = self.courses[run].0.lock();
-            all.unwrap_or_else(PoisonError::into_inner)
+        let fly = |_: &(f64, Changed)| {
+            flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new)
         };
-        let again = || {
-            let mut all = kept();
-            let at = all.iter().rposition(|k| k.1 == tank && k.0 == changed)?;
-            let known = all.remove(at)?;
-            all.push_back(known.clone());
-            Some(known.2)
-        };
-        if let Some(course) = again() {
-            return course;
-        }
-        let course = flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new);
-        let mut all = kept();
-        all.push_back((changed, tank, course.clone()));
-        while all.len() > KEPT {
-            all.pop_front();
-        }
-        course
+        self.courses[run].ask((tank, changed), KEPT, fly)
     }
 }
 

@@ -128,22 +128,12 @@ impl Believed {
                 counterweight,
             }
         };
-        let joint = |name: &str, parent: Option<usize>, height| Joint {
-            name: name.into(),
-            parent,
-            // The hip's angle grows as the swinging leg falls behind the other.
-            way: Way::Turns {
-                back: parent.is_some(),
-            },
-            at: [0.0, height],
-            angle: 0.0,
-            friction: 0.0,
-            damping: 0.0,
-        };
         let hip = Joint {
+            // The hip's angle grows as the swinging leg falls behind the other.
+            way: Way::Turns { back: true },
             friction: self.dry,
             damping: self.viscous,
-            ..joint("hip", Some(0), self.length)
+            ..Joint::turning("hip", Some(0), [0.0, self.length])
         };
         let at_hip = Counterweight {
             name: "hip".into(),
@@ -159,7 +149,12 @@ impl Believed {
             name: "[rig]".into(),
             gravity: GRAVITY,
             links: vec![
-                link(own, joint("foot", None, 0.0), center, Some(at_hip)),
+                link(
+                    own,
+                    Joint::turning("foot", None, [0.0; 2]),
+                    center,
+                    Some(at_hip),
+                ),
                 link(other, hip, -self.centers[other], None),
             ],
             springs: Vec::new(),

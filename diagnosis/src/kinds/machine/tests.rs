@@ -5,7 +5,7 @@ use super::*;
 use crate::fit;
 use crate::folds::folds;
 use crate::kind::Cause;
-use crate::mechanism::{Law, Side, Spring};
+use crate::mechanism::{Law, Side, Spring, Way};
 use crate::settings::Settings;
 use crate::toy::{self, terms};
 
