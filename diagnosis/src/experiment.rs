@@ -52,6 +52,13 @@ pub struct Experiment {
     pub runs: Vec<Run>,
 }
 
+impl Experiment {
+    /// Index of the column `name`, if it is there.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+}
+
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {

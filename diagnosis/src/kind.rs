@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
+use crate::experiment::Experiment;
+use crate::noise;
 use crate::prior::Prior;
 
 /// A measured column.
@@ -43,6 +45,13 @@ pub struct Log {
     pub readings: Vec<Reading>,
 }
 
+impl Log {
+    /// The readings of a channel.
+    pub fn of(&self, channel: usize) -> impl Iterator<Item = &Reading> {
+        self.readings.iter().filter(move |r| r.channel == channel)
+    }
+}
+
 /// A number that is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -57,6 +66,27 @@ pub struct Parameter {
     pub scale: f64,
     /// Where its search starts, beside `neutral`.
     pub starts: Vec<f64>,
+}
+
+impl Parameter {
+    /// One whose search starts at its neutral value.
+    pub fn new(name: &str, neutral: f64, bounds: (f64, f64), scale: f64) -> Parameter {
+        Parameter {
+            name: name.into(),
+            neutral,
+            bounds,
+            scale,
+            starts: Vec::new(),
+        }
+    }
+
+    /// With more starts of its search.
+    pub fn starting(self, starts: &[f64]) -> Parameter {
+        Parameter {
+            starts: starts.to_vec(),
+            ..self
+        }
+    }
 }
 
 /// A named effect that may be at work: a term of the model, off where each parameter is neutral.
@@ -108,6 +138,12 @@ impl Cause {
     pub(crate) fn usual(mut self, error: f64, why: &'static str) -> Cause {
         let value = self.parameters[0].neutral;
         self.priors = vec![(0, Prior::common(value, error, why))];
+        self
+    }
+
+    /// As one that is about a column.
+    pub(crate) fn of_column(mut self, column: &str) -> Cause {
+        self.column = Some(column.into());
         self
     }
 
@@ -227,6 +263,37 @@ impl Terms {
     }
 }
 
+/// The measurements of an experiment, and what could be wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    /// What was measured.
+    pub channels: Vec<Channel>,
+    /// The runs.
+    pub logs: Vec<Log>,
+    /// What could be wrong.
+    pub causes: Vec<Cause>,
+    /// How many of the causes, the first ones, are none: what nobody knows of the machine, and is
+    /// the same in all runs. Their parameters are part of every model.
+    pub common: usize,
+    /// How many of the causes have an id; those after them are terms that describe what no listed
+    /// cause explains.
+    pub listed: usize,
+    /// What of the data is used, and what is not.
+    pub notes: Vec<String>,
+}
+
+impl Data {
+    /// The channels and runs of the columns `indices`, as yet without causes.
+    pub(crate) fn of(experiment: &Experiment, indices: &[usize]) -> Data {
+        let log = |run| noise::log(experiment, run, indices);
+        Data {
+            channels: noise::channels(experiment, indices),
+            logs: experiment.runs.iter().map(log).collect(),
+            ..Data::default()
+        }
+    }
+}
+
 /// An experiment that was not done: one run of it, and which of its causes are those of the
 /// experiment that was.
 pub struct Proposal {
@@ -238,61 +305,81 @@ pub struct Proposal {
 
 /// An experiment of a kind: its data, and the model of them.
 pub trait Kind: Sync {
-    /// What was measured.
-    fn channels(&self) -> &[Channel];
+    /// Its measurements, and what could be wrong; the next six are parts of this.
+    fn data(&self) -> &Data;
 
-    /// The runs.
-    fn logs(&self) -> &[Log];
+    /// The kind that this one looks at its own way, which answers what this one does not.
+    fn inner(&self) -> Option<&dyn Kind> {
+        None
+    }
+
+    /// See [`Data::channels`].
+    fn channels(&self) -> &[Channel] {
+        &self.data().channels
+    }
+
+    /// See [`Data::logs`].
+    fn logs(&self) -> &[Log] {
+        &self.data().logs
+    }
+
+    /// See [`Data::causes`].
+    fn causes(&self) -> &[Cause] {
+        &self.data().causes
+    }
+
+    /// See [`Data::common`].
+    fn common(&self) -> usize {
+        self.data().common
+    }
+
+    /// See [`Data::listed`].
+    fn listed(&self) -> usize {
+        self.data().listed
+    }
+
+    /// See [`Data::notes`].
+    fn notes(&self) -> Vec<String> {
+        self.data().notes.clone()
+    }
 
     /// What is not known of a run, its start above all.
     fn unknowns(&self, run: usize) -> Vec<Parameter>;
 
-    /// What could be wrong.
-    fn causes(&self) -> &[Cause];
-
-    /// How many of the causes, the first ones, are none: what nobody knows of the machine, and is
-    /// the same in all runs. Their parameters are part of every model.
-    fn common(&self) -> usize {
-        0
-    }
-
     /// How many causes may be at work at a time, where nobody says.
     fn most(&self) -> usize {
-        3
+        self.inner().map_or(3, Kind::most)
     }
 
     /// Whether each run is of a machine of its own, so that none of them tells of another: blocks of
     /// each are then left out, and not whole runs.
     fn is_apart(&self) -> bool {
-        false
+        self.inner().is_some_and(Kind::is_apart)
     }
 
     /// Which runs belong together, as parts of one: they are left out together.
     fn group(&self, run: usize) -> usize {
-        run
-    }
-
-    /// How many of the causes have an id; those after them are terms that describe what no listed
-    /// cause explains.
-    fn listed(&self) -> usize {
-        self.causes().len()
+        self.inner().map_or(run, |kind| kind.group(run))
     }
 
     /// Error of the model itself, in standard deviations of a reading: smaller misfits are not
     /// reported.
     fn trust(&self) -> f64 {
-        0.1
+        self.inner().map_or(0.1, Kind::trust)
     }
 
     /// Standard deviation of the model's own error, in standard deviations of a reading: a smooth
     /// process in time, which is part of the noise.
     fn discrepancy(&self) -> f64 {
-        self.trust()
+        let own = || self.trust();
+        self.inner().map_or_else(own, Kind::discrepancy)
     }
 
     /// Standard deviations by which `cause` must change readings to be claimed.
-    fn least_effect(&self, _cause: usize) -> f64 {
-        self.trust()
+    fn least_effect(&self, cause: usize) -> f64 {
+        let own = || self.trust();
+        self.inner()
+            .map_or_else(own, |kind| kind.least_effect(cause))
     }
 
     /// What the model says of each reading of a run; none where it has no answer.
@@ -300,33 +387,30 @@ pub trait Kind: Sync {
 
     /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where
     /// no input is measured.
-    fn input_noise(&self, _run: usize, _normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
-        None
+    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
+        self.inner()?.input_noise(run, normal)
     }
 
     /// Phases of a run: their names, and when (s) each begins.
-    fn phases(&self, _run: usize, _terms: &Terms, _unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        Vec::new()
+    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
+        let of = |kind: &dyn Kind| kind.phases(run, terms, unknowns);
+        self.inner().map_or_else(Vec::new, of)
     }
 
     /// The robot with the terms on, where the experiment is of a robot.
-    fn robot(&self, _terms: &Terms) -> Option<Robot> {
-        None
+    fn robot(&self, terms: &Terms) -> Option<Robot> {
+        self.inner()?.robot(terms)
     }
 
     /// What to measure where these data hardly show an effect, so that they show it more.
     fn stronger(&self) -> String {
-        "runs in which it shows more".into()
-    }
-
-    /// What of the data is used, and what is not.
-    fn notes(&self) -> Vec<String> {
-        Vec::new()
+        let said = self.inner().map(Kind::stronger);
+        said.unwrap_or_else(|| "runs in which it shows more".into())
     }
 
     /// Experiments that were not done and could tell causes apart.
     fn proposals(&self) -> Vec<Proposal> {
-        Vec::new()
+        self.inner().map_or_else(Vec::new, Kind::proposals)
     }
 }
 

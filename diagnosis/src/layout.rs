@@ -75,11 +75,7 @@ impl Layout {
 
     /// Index of the column `name`, which is there.
     pub fn column(&self, name: &str) -> usize {
-        self.experiment
-            .columns
-            .iter()
-            .position(|column| column == name)
-            .unwrap_or_default()
+        self.experiment.column(name).unwrap_or_default()
     }
 
     /// Adds a run with rows `step` apart, of which nothing is measured yet.

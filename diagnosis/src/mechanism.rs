@@ -68,6 +68,21 @@ pub struct Joint {
     pub damping: f64,
 }
 
+impl Joint {
+    /// One that turns forward, without friction.
+    pub(crate) fn turning(name: &str, parent: Option<usize>, at: [f64; 2]) -> Joint {
+        Joint {
+            name: name.into(),
+            parent,
+            way: Way::Turns { back: false },
+            at,
+            angle: 0.0,
+            friction: 0.0,
+            damping: 0.0,
+        }
+    }
+}
+
 /// How a joint moves as its coordinate grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {

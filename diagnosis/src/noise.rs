@@ -105,10 +105,7 @@ pub fn misstated(experiment: &Experiment, kind: &dyn Kind, model: &Fit) -> Vec<M
         .zip(left)
         .filter(|(channel, left)| channel.is_given && left.count > LEAST);
     let of = |(channel, left): (&Channel, fitness::Level)| {
-        let k = experiment
-            .columns
-            .iter()
-            .position(|column| *column == channel.name)?;
+        let k = experiment.column(&channel.name)?;
         let stated = experiment.noise[k]?;
         let seen = (left.square.sqrt() * channel.noise).max(FINE * span(experiment, k));
         let is_far = stated > FAR * seen || (seen > FAR * stated && left.is_white);

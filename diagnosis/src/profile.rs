@@ -141,46 +141,40 @@ fn crossing(
 mod tests {
     use super::*;
     use crate::finding::Candidate;
-    use crate::kind::{Cause, Channel, Log, Parameter, Reading};
+    use crate::kind::{Cause, Channel, Data, Log, Parameter, Reading};
     use crate::report::report;
 
     /// Readings of `law` at 0, 1, …, each with an error of 1.
     struct Toy {
-        channels: [Channel; 1],
-        logs: [Log; 1],
-        causes: [Cause; 1],
+        data: Data,
         law: fn(&[f64], f64) -> f64,
     }
 
     impl Toy {
         fn new(bounds: &[(f64, f64)], values: &[f64], law: fn(&[f64], f64) -> f64) -> Toy {
-            let of = |b: &(f64, f64)| Parameter {
-                name: "x".into(),
-                neutral: 1.0,
-                bounds: *b,
-                scale: 0.1,
-                starts: Vec::new(),
-            };
+            let of = |b: &(f64, f64)| Parameter::new("x", 1.0, *b, 0.1);
             let reading = |(k, value): (usize, &f64)| Reading {
                 channel: 0,
                 time: k as f64,
                 value: *value,
                 weight: 1.0,
             };
-            Toy {
-                channels: [Channel {
+            let data = Data {
+                channels: vec![Channel {
                     name: "y".into(),
                     noise: 1.0,
                     step: 0.0,
                     is_given: true,
                 }],
-                logs: [Log {
+                logs: vec![Log {
                     name: "run".into(),
                     readings: values.iter().enumerate().map(reading).collect(),
                 }],
-                causes: [Cause::several("toy", bounds.iter().map(of).collect())],
-                law,
-            }
+                causes: vec![Cause::several("toy", bounds.iter().map(of).collect())],
+                listed: 1,
+                ..Data::default()
+            };
+            Toy { data, law }
         }
 
         fn intervals(&self) -> Vec<Interval> {
@@ -197,11 +191,8 @@ mod tests {
     }
 
     impl Kind for Toy {
-        fn channels(&self) -> &[Channel] {
-            &self.channels
-        }
-        fn logs(&self) -> &[Log] {
-            &self.logs
+        fn data(&self) -> &Data {
+            &self.data
         }
         fn unknowns(&self, _: usize) -> Vec<Parameter> {
             Vec::new()
@@ -209,13 +200,9 @@ mod tests {
         fn discrepancy(&self) -> f64 {
             0.0
         }
-
-        fn causes(&self) -> &[Cause] {
-            &self.causes
-        }
         fn predict(&self, _: usize, terms: &Terms, _: &[f64]) -> Option<Vec<f64>> {
             Some(
-                self.logs[0]
+                self.data.logs[0]
                     .readings
                     .iter()
                     .map(|r| (self.law)(terms.of(0), r.time))

@@ -407,15 +407,10 @@ pub(crate) const fn lively(name: &'static str, (quantity, domain): (Quantity, Do
 }
 
 /// A channel that may stay the same, if seldom.
-pub(crate) const fn calm(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
+pub(crate) const fn calm(name: &'static str, meaning: (Quantity, Domain)) -> Column {
     Column {
-        name,
-        quantity,
-        domain,
         still: Still::Odd,
-        optional: false,
-        needed: false,
-        scale: 0.0,
+        ..lively(name, meaning)
     }
 }
 
@@ -437,15 +432,11 @@ pub(crate) const fn posture(name: &'static str, meaning: (Quantity, Domain)) -> 
 }
 
 /// A channel that says what was asked for: often the same, never missing.
-pub(crate) const fn asked(name: &'static str, (quantity, domain): (Quantity, Domain)) -> Column {
+pub(crate) const fn asked(name: &'static str, meaning: (Quantity, Domain)) -> Column {
     Column {
-        name,
-        quantity,
-        domain,
         still: Still::Usual,
-        optional: false,
         needed: true,
-        scale: 0.0,
+        ..lively(name, meaning)
     }
 }
 
@@ -460,14 +451,10 @@ pub(crate) const fn required(key: &'static str, (quantity, domain): (Quantity, D
     }
 }
 
-pub(crate) const fn optional(key: &'static str, (quantity, domain): (Quantity, Domain)) -> Setting {
+pub(crate) const fn optional(key: &'static str, meaning: (Quantity, Domain)) -> Setting {
     Setting {
-        key,
-        quantity,
-        domain,
         required: false,
-        words: &[],
-        form: Form::One,
+        ..required(key, meaning)
     }
 }
 
@@ -490,42 +477,29 @@ pub(crate) const fn names(key: &'static str) -> Setting {
 pub(crate) const POSITION: (Quantity, Domain) = (LENGTH, Domain::within(10.0).called("a position"));
 pub(crate) const PLACE: (Quantity, Domain) = (LENGTH, Domain::within(1e4).called("a place"));
 pub(crate) const LEAP: (Quantity, Domain) = (LENGTH, Domain::within(100.0).called("a length"));
-pub(crate) const TILT: (Quantity, Domain) = (
-    ANGLE,
-    Domain::within(FRAC_PI_2)
-        .called("an angle")
-        .because(", not degrees"),
-);
+const fn angle(most: f64) -> (Quantity, Domain) {
+    let domain = Domain::within(most).called("an angle");
+    (ANGLE, domain.because(", not degrees"))
+}
+
+const fn absolute(least: f64) -> (Quantity, Domain) {
+    let domain = Domain::at_least(least)
+        .up_to(1e8)
+        .called("an absolute pressure");
+    (PRESSURE, domain.because(", not gauge, kPa, bar or psi"))
+}
+
+pub(crate) const TILT: (Quantity, Domain) = angle(FRAC_PI_2);
 // A wheel goes on turning in flight: 10 rad/s for a second is more than one turn.
-pub(crate) const TURN: (Quantity, Domain) = (
-    ANGLE,
-    Domain::within(4.0 * PI)
-        .called("an angle")
-        .because(", not degrees"),
-);
+pub(crate) const TURN: (Quantity, Domain) = angle(4.0 * PI);
 /// Of a wheel and a boom that go round and round.
-pub(crate) const TURN_ON: (Quantity, Domain) = (
-    ANGLE,
-    Domain::within(1e5)
-        .called("an angle")
-        .because(", not degrees"),
-);
+pub(crate) const TURN_ON: (Quantity, Domain) = angle(1e5);
 pub(crate) const LEAP_ON: (Quantity, Domain) = (LENGTH, Domain::within(1e5).called("a length"));
-pub(crate) const INCLINE: (Quantity, Domain) = (
-    ANGLE,
-    Domain::within(1.0)
-        .called("an angle")
-        .because(", not degrees"),
-);
+pub(crate) const INCLINE: (Quantity, Domain) = angle(1.0);
 /// Of a valve: 0 or 1.
 pub(crate) const OUTPUT: (Quantity, Domain) =
     (NUMBER, Domain::at_least(0.0).up_to(1.0).called("0 or 1"));
-pub(crate) const YAW: (Quantity, Domain) = (
-    ANGLE,
-    Domain::within(2.0 * PI)
-        .called("an angle")
-        .because(", not degrees"),
-);
+pub(crate) const YAW: (Quantity, Domain) = angle(2.0 * PI);
 pub(crate) const RATE: (Quantity, Domain) = (
     ANGULAR_RATE,
     Domain::within(100.0)
@@ -567,20 +541,8 @@ pub(crate) const GAUGE: (Quantity, Domain) = (
 );
 // A leg's chamber is never below the surroundings, of which there are 33 kPa on the highest
 // mountain.
-pub(crate) const CHAMBER: (Quantity, Domain) = (
-    PRESSURE,
-    Domain::at_least(2e4)
-        .up_to(1e8)
-        .called("an absolute pressure")
-        .because(", not gauge, kPa, bar or psi"),
-);
-pub(crate) const ABSOLUTE: (Quantity, Domain) = (
-    PRESSURE,
-    Domain::at_least(1e3)
-        .up_to(1e8)
-        .called("an absolute pressure")
-        .because(", not gauge, kPa, bar or psi"),
-);
+pub(crate) const CHAMBER: (Quantity, Domain) = absolute(2e4);
+pub(crate) const ABSOLUTE: (Quantity, Domain) = absolute(1e3);
 
 /// A logged run of part of the robot.
 pub(crate) const LOGGED: Spec = Spec {

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use crate::evidence::Evidence;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Reading, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::settings::Settings;
 
 /// Runs, and readings in each.
@@ -18,11 +18,8 @@ pub(crate) const ALL: usize = RUNS * READINGS;
 
 /// y = Σ θ_k a_k + noise of one σ: a cause for each column a_k, off at θ_k = 0.
 pub(crate) struct Toy {
-    channels: [Channel; 1],
-    logs: Vec<Log>,
-    causes: Vec<Cause>,
+    data: Data,
     columns: Vec<Vec<f64>>,
-    listed: usize,
     trust: f64,
     discrepancy: f64,
 }
@@ -63,27 +60,22 @@ impl Toy {
             readings: values.iter().enumerate().map(reading).collect(),
         };
         let cause = |(k, _): (usize, &Vec<f64>)| {
-            Cause::one(
-                IDS[k],
-                Parameter {
-                    name: format!("{}_n", IDS[k]),
-                    neutral: 0.0,
-                    bounds: (-1e6, 1e6),
-                    scale: 1.0,
-                    starts: Vec::new(),
-                },
-            )
+            let name = format!("{}_n", IDS[k]);
+            Cause::one(IDS[k], Parameter::new(&name, 0.0, (-1e6, 1e6), 1.0))
         };
         Toy {
-            channels: [Channel {
-                name: "y_m".into(),
-                noise: 1.0,
-                step: 0.0,
-                is_given: true,
-            }],
-            logs: values.chunks(READINGS).enumerate().map(log).collect(),
-            causes: columns.iter().enumerate().map(cause).collect(),
-            listed: columns.len(),
+            data: Data {
+                channels: vec![Channel {
+                    name: "y_m".into(),
+                    noise: 1.0,
+                    step: 0.0,
+                    is_given: true,
+                }],
+                logs: values.chunks(READINGS).enumerate().map(log).collect(),
+                causes: columns.iter().enumerate().map(cause).collect(),
+                listed: columns.len(),
+                ..Data::default()
+            },
             columns,
             trust: 0.1,
             discrepancy: 0.0,
@@ -92,9 +84,9 @@ impl Toy {
 
     /// With all readings in one run.
     pub(crate) fn in_one_run(mut self) -> Toy {
-        let readings = self.logs.drain(..).flat_map(|log| log.readings);
+        let readings = self.data.logs.drain(..).flat_map(|log| log.readings);
         let readings = readings.collect();
-        self.logs = vec![Log {
+        self.data.logs = vec![Log {
             name: "run-0".into(),
             readings,
         }];
@@ -103,7 +95,7 @@ impl Toy {
 
     /// With the last of its columns as a term without a name.
     pub(crate) fn with_a_term(mut self) -> Toy {
-        self.listed -= 1;
+        self.data.listed -= 1;
         self
     }
 
@@ -121,7 +113,7 @@ impl Toy {
 
     /// With a cause changed.
     pub(crate) fn with(mut self, cause: usize, change: impl FnOnce(&mut Cause)) -> Toy {
-        change(&mut self.causes[cause]);
+        change(&mut self.data.causes[cause]);
         self
     }
 
@@ -145,24 +137,12 @@ impl Toy {
 }
 
 impl Kind for Toy {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     fn unknowns(&self, _: usize) -> Vec<Parameter> {
         Vec::new()
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
     }
 
     fn trust(&self) -> f64 {

@@ -1,17 +1,15 @@
 //! An experiment as a search sees it: the scatter that readings are judged by, and what the model
 //! said before.
 
-use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, Mutex, PoisonError};
-
-use saltus_robot::Robot;
+use std::sync::Arc;
 
 use crate::fit::Fit;
 use crate::fitness;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Terms};
 use crate::known;
 use crate::policy::POLICY;
+use crate::recent::Recent;
 use crate::settings::Settings;
 
 /// Most answers of a run that are kept, and most readings in all that they have.
@@ -22,14 +20,13 @@ const READINGS: usize = 8_000_000;
 const AS_STATED: f64 = POLICY.noise_as_stated;
 
 /// What was asked of the model of a run: all its parameters.
-#[derive(Clone, PartialEq)]
+#[derive(PartialEq)]
 struct Question {
+    /// Of the others.
+    hash: u64,
     terms: Terms,
     unknowns: Vec<f64>,
 }
-
-/// A question by its hash, and the answer.
-type Known = (u64, Question, Option<Arc<[f64]>>);
 
 /// An experiment whose readings may scatter more than was stated, with what its model said of each
 /// run, the latest last: searches come back to the same places.
@@ -40,13 +37,13 @@ pub(crate) struct View<'a> {
     discrepancy: f64,
     /// Readings in the place of those that were measured.
     logs: Option<Vec<Log>>,
-    said: Arc<[Mutex<VecDeque<Known>>]>,
+    said: Arc<[Recent<Question, Option<Arc<[f64]>>>]>,
 }
 
 impl<'a> View<'a> {
     /// As it was stated, with what the settings say of the model's own error and of its causes.
     pub(crate) fn new(kind: &'a dyn Kind, settings: &Settings) -> View<'a> {
-        let said = kind.logs().iter().map(|_| Mutex::default()).collect();
+        let said = kind.logs().iter().map(|_| Recent::default()).collect();
         View {
             kind,
             channels: kind.channels().to_vec(),
@@ -102,50 +99,37 @@ impl<'a> View<'a> {
 }
 
 impl Question {
-    fn hash(&self) -> u64 {
+    fn new(terms: &Terms, unknowns: &[f64]) -> Question {
         let mut hasher = DefaultHasher::new();
-        for x in self.terms.all().chain(&self.unknowns) {
+        for x in terms.all().chain(unknowns) {
             x.to_bits().hash(&mut hasher);
         }
-        hasher.finish()
+        Question {
+            hash: hasher.finish(),
+            terms: terms.clone(),
+            unknowns: unknowns.to_vec(),
+        }
     }
 }
 
 impl Kind for View<'_> {
+    fn data(&self) -> &Data {
+        self.kind.data()
+    }
+
+    fn inner(&self) -> Option<&dyn Kind> {
+        Some(self.kind)
+    }
+
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let question = Question {
-            terms: terms.clone(),
-            unknowns: unknowns.to_vec(),
-        };
-        let hash = question.hash();
-        let known = || {
-            self.said[run]
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-        };
-        let is_it = |k: &Known| k.0 == hash && k.1 == question;
-        let told = {
-            let mut known = known();
-            // What is asked again is forgotten last.
-            let place = known.iter().rposition(is_it);
-            place.and_then(|k| known.remove(k)).map(|told| {
-                let answer = told.2.clone();
-                known.push_back(told);
-                answer
-            })
-        };
-        if let Some(answer) = told {
-            return answer.map(|values| values.to_vec());
-        }
-        let answer = self.kind.predict(run, terms, unknowns);
         let readings: usize = self.logs().iter().map(|log| log.readings.len()).sum();
         let most = ANSWERS.min(READINGS / readings.max(1));
-        let mut known = known();
-        known.push_back((hash, question, answer.as_deref().map(Arc::from)));
-        while known.len() > most {
-            known.pop_front();
-        }
-        answer
+        let predict = |_: &Question| {
+            let values = self.kind.predict(run, terms, unknowns);
+            values.map(Arc::<[f64]>::from)
+        };
+        let answer = self.said[run].ask(Question::new(terms, unknowns), most, predict);
+        answer.map(|values| values.to_vec())
     }
 
     fn channels(&self) -> &[Channel] {
@@ -164,55 +148,7 @@ impl Kind for View<'_> {
         &self.causes
     }
 
-    fn common(&self) -> usize {
-        self.kind.common()
-    }
-
-    fn most(&self) -> usize {
-        self.kind.most()
-    }
-
-    fn is_apart(&self) -> bool {
-        self.kind.is_apart()
-    }
-
-    fn group(&self, run: usize) -> usize {
-        self.kind.group(run)
-    }
-
-    fn listed(&self) -> usize {
-        self.kind.listed()
-    }
-
-    fn trust(&self) -> f64 {
-        self.kind.trust()
-    }
-
     fn discrepancy(&self) -> f64 {
         self.discrepancy
-    }
-
-    fn least_effect(&self, cause: usize) -> f64 {
-        self.kind.least_effect(cause)
-    }
-
-    fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
-        self.kind.input_noise(run, normal)
-    }
-
-    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        self.kind.phases(run, terms, unknowns)
-    }
-
-    fn robot(&self, terms: &Terms) -> Option<Robot> {
-        self.kind.robot(terms)
-    }
-
-    fn stronger(&self) -> String {
-        self.kind.stronger()
-    }
-
-    fn proposals(&self) -> Vec<Proposal> {
-        self.kind.proposals()
     }
 }

@@ -6,7 +6,7 @@ use saltus_robot::Robot;
 
 use crate::cast::{most_counts, whole};
 use crate::drawn::{Draw, drawn_robot};
-use crate::error::require;
+use crate::error::ensure;
 use crate::run::{Obstacle, Setup, run};
 use crate::search::{Search, search};
 use crate::{GaitError, Program};
@@ -77,19 +77,11 @@ impl Crossing {
         threads: usize,
         told: impl FnMut(usize, f64),
     ) -> Result<CrossingPlan, GaitError> {
-        let few = (1..=6).contains(&self.firings);
-        require(
-            few,
-            "legs that accelerate",
-            self.firings as f64,
-            "from 1 to 6",
-        )?;
-        require(
-            self.sought_on >= 1,
-            "robots to seek on",
-            self.sought_on as f64,
-            "at least 1",
-        )?;
+        ensure! {
+            "legs that accelerate", self.firings as f64, (1..=6).contains(&self.firings)
+                => "from 1 to 6";
+            "robots to seek on", self.sought_on as f64, self.sought_on >= 1 => "at least 1";
+        }
         let robots: Vec<Robot> = (0..self.sought_on)
             .map(|k| drawn_robot(&self.robot, &self.draw, self.seed, k))
             .collect::<Result<_, _>>()?;

@@ -54,3 +54,12 @@ pub(crate) fn refused(name: &str, value: f64, allowed: impl Into<String>) -> Gai
         allowed: allowed.into(),
     }
 }
+
+/// Returns the error of the first number that is not allowed. Each has a row: name, value, whether
+/// it is allowed, and what is.
+macro_rules! ensure {
+    ($($name:expr, $value:expr, $holds:expr => $allowed:expr;)+) => {{
+        $($crate::error::require($holds, $name, $value, $allowed)?;)+
+    }};
+}
+pub(crate) use ensure;

@@ -3,7 +3,7 @@
 use saltus_controller::run::{Knot, Law};
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::{ensure, require};
 use crate::learnt::Learnt;
 
 /// How a robot's firing angle is found.
@@ -202,12 +202,7 @@ impl Program {
             } => {
                 angle(*first)?;
                 angle(*last)?;
-                require(
-                    *slope > 0.0 && slope.is_finite(),
-                    "B (1/s)",
-                    *slope,
-                    "above 0",
-                )?;
+                ensure! { "B (1/s)", *slope, *slope > 0.0 && slope.is_finite() => "above 0"; }
                 let shift = match *centre {
                     Centre::Printed(c) => c,
                     Centre::Seconds(c) => slope * c,

@@ -2,7 +2,7 @@
 
 use saltus_controller::run::{Action, Choices, Steps};
 
-use crate::error::require;
+use crate::error::ensure;
 use crate::senses::{Senses, truth};
 use crate::world::Cycle;
 use crate::{GaitError, World};
@@ -50,11 +50,10 @@ impl Learnt {
     pub(crate) fn check(&self) -> Result<(), GaitError> {
         let states: usize = self.axes.iter().map(|it| usize::from(it.count)).product();
         let given = self.choices.len();
-        let allowed = format!("{states}, the states");
-        require(given == states, "choices", given as f64, allowed)?;
+        ensure! { "choices", given as f64, given == states => format!("{states}, the states"); }
         if let Decides::Zone { period } = self.decides {
             let sound = period > 0.0 && period <= 1.0;
-            require(sound, "period of decisions (s)", period, "above 0 to 1 s")?;
+            ensure! { "period of decisions (s)", period, sound => "above 0 to 1 s"; }
         }
         Ok(())
     }

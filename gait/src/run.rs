@@ -12,7 +12,7 @@ use saltus_sim_check::{Contact, Happening, Ledger, Rig, Stepping, Surface};
 
 use crate::box_table::BoxTable;
 use crate::cast::instruments;
-use crate::error::require;
+use crate::error::ensure;
 use crate::law::Compiled;
 use crate::learnt::Deciding;
 use crate::senses::Senses;
@@ -114,49 +114,29 @@ impl Setup {
 
     fn check(&self) -> Result<(), GaitError> {
         let legs = self.robot.body.legs;
-        let allowed = "from 3 to 12, for a robot that runs";
-        require((3..=12).contains(&legs), "legs", f64::from(legs), allowed)?;
         let pitch = TAU / f64::from(legs);
-        let zone = (-0.5 * pitch..=0.5 * pitch).contains(&self.zone);
-        let allowed = format!(
-            "from {:.4} to {:.4} rad, half a pitch",
-            -0.5 * pitch,
-            0.5 * pitch
-        );
-        require(zone, "start of the active zone (rad)", self.zone, allowed)?;
-        let seconds = self.seconds;
-        let sound = seconds > 0.0 && seconds <= LONGEST;
-        let allowed = format!("above 0, at most {LONGEST} s");
-        require(sound, "length of the run (s)", seconds, allowed)?;
-        let count = self.taps.len();
-        let allowed = format!("from 1 to {MOST_TAPS}");
-        require(
-            (1..=MOST_TAPS).contains(&count),
-            "taps of the filter",
-            count as f64,
-            allowed,
-        )?;
-        let sum: f64 = self.taps.iter().sum();
-        let sound = sum.is_finite() && sum.abs() > 1e-9;
-        require(
-            sound,
-            "sum of the filter's taps",
-            sum,
-            "a number other than 0",
-        )?;
+        let (half, seconds) = (0.5 * pitch, self.seconds);
+        let (count, sum) = (self.taps.len(), self.taps.iter().sum::<f64>());
+        ensure! {
+            "legs", f64::from(legs), (3..=12).contains(&legs) => "from 3 to 12, for a robot that runs";
+            "start of the active zone (rad)", self.zone, (-half..=half).contains(&self.zone)
+                => format!("from {:.4} to {half:.4} rad, half a pitch", -half);
+            "length of the run (s)", seconds, seconds > 0.0 && seconds <= LONGEST
+                => format!("above 0, at most {LONGEST} s");
+            "taps of the filter", count as f64, (1..=MOST_TAPS).contains(&count)
+                => format!("from 1 to {MOST_TAPS}");
+            "sum of the filter's taps", sum, sum.is_finite() && sum.abs() > 1e-9
+                => "a number other than 0";
+        }
         let radius = self.robot.body.radius;
         self.obstacles.iter().try_for_each(|o| o.check(radius))?;
         let mut before = f64::NEG_INFINITY;
         for [time, speed] in &self.speeds {
-            let allowed = format!("a time after the one before it, {before} s");
-            let sound = *time > before && time.is_finite();
-            require(sound, "time of a speed (s)", *time, allowed)?;
-            require(
-                speed.abs() <= 10.0,
-                "speed (m/s)",
-                *speed,
-                "from -10 to 10 m/s",
-            )?;
+            ensure! {
+                "time of a speed (s)", *time, *time > before && time.is_finite()
+                    => format!("a time after the one before it, {before} s");
+                "speed (m/s)", *speed, speed.abs() <= 10.0 => "from -10 to 10 m/s";
+            }
             before = *time;
         }
         Ok(())
@@ -181,22 +161,15 @@ impl Obstacle {
             length,
             height,
         } = *self;
-        let beside = front >= radius && front <= 1e4;
-        let allowed = format!("from {radius} m, the robot's radius, to 10000 m");
-        require(beside, "front of the obstacle (m)", front, allowed)?;
         let sound = |x: f64| x > 0.0 && x <= 10.0;
-        require(
-            sound(length),
-            "length of the obstacle (m)",
-            length,
-            "above 0, at most 10 m",
-        )?;
-        require(
-            sound(height),
-            "height of the obstacle (m)",
-            height,
-            "above 0, at most 10 m",
-        )
+        let short = "above 0, at most 10 m";
+        ensure! {
+            "front of the obstacle (m)", front, front >= radius && front <= 1e4
+                => format!("from {radius} m, the robot's radius, to 10000 m");
+            "length of the obstacle (m)", length, sound(length) => short;
+            "height of the obstacle (m)", height, sound(height) => short;
+        }
+        Ok(())
     }
 }
 
@@ -255,9 +228,10 @@ pub struct Footfall {
 }
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ending {
     /// It ran, or rolled, to the end of its time.
+    #[default]
     Ran,
     /// It stood still at the end, since a time (s), at a travel (m).
     Stalled {
@@ -269,7 +243,7 @@ pub enum Ending {
 }
 
 /// What a run came to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// How it ended.
     pub ending: Ending,
@@ -484,29 +458,13 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             extensions: vec![0.0; legs],
             pressures: vec![0.0; legs],
             summary: Summary {
-                ending: Ending::Ran,
-                time: 0.0,
-                travel: 0.0,
-                way: 0.0,
-                mean_speed: 0.0,
-                last_speed: 0.0,
-                top_speed: 0.0,
-                speed_at_1_6: None,
-                reached_3_2: None,
-                time_to_1_6_m: None,
-                firings: 0,
-                touch_downs: 0,
-                bumps: Vec::new(),
-                bump_count: 0,
                 clearances: vec![f64::INFINITY; setup.obstacles.len()],
-                gas: 0.0,
                 leg_work: vec![0.0; legs],
                 leg_loss: vec![0.0; legs],
                 start: ledger,
                 ledger,
-                residual: 0.0,
-                gas_residual: 0.0,
                 rear,
+                ..Summary::default()
             },
             stored,
             carried,

@@ -6,7 +6,7 @@ use saltus_controller::run::{Hold, Stall};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
-use crate::error::require;
+use crate::error::ensure;
 use crate::run::{Setup, run};
 use crate::{GaitError, Program};
 
@@ -58,7 +58,7 @@ pub fn speed_law(robot: &Robot, threads: usize) -> Result<Vec<[f64; 3]>, GaitErr
     }
     let slowest = law.first().map_or(f64::NAN, |knot| knot[0]);
     let allowed = "a robot that runs under a fixed firing angle from 0 to 0.6 rad";
-    require(law.len() >= 2, "speeds measured (m/s)", slowest, allowed)?;
+    ensure! { "speeds measured (m/s)", slowest, law.len() >= 2 => allowed; }
     // From rest to the slowest: the angle at which a robot at rest still fires.
     law.insert(0, [0.7 * slowest, 0.55, VALVE_OPEN]);
     Ok(law)
@@ -91,12 +91,10 @@ impl Setup {
         seconds: f64,
     ) -> Result<Setup, GaitError> {
         let length = robot.boom.map_or(0.0, |boom| boom.length);
-        require(
-            length > 0.0,
-            "length of the boom (m)",
-            length,
-            "that of a boom, whose turn measures the way",
-        )?;
+        ensure! {
+            "length of the boom (m)", length, length > 0.0
+                => "that of a boom, whose turn measures the way";
+        }
         let program = Program::Curve(law);
         let sensors = robot.sensors.unwrap_or_default();
         Ok(Setup {

@@ -6,7 +6,7 @@ use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_sim_check::{Mechanism, Rig, SimError, Surface};
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// A disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,8 +67,7 @@ impl Surroundings {
         disturbances: &[Disturbance],
     ) -> Result<Surroundings, GaitError> {
         let count = disturbances.len();
-        let allowed = format!("at most {MOST}");
-        require(count <= MOST, "disturbances", count as f64, allowed)?;
+        ensure! { "disturbances", count as f64, count <= MOST => format!("at most {MOST}"); }
         disturbances.iter().try_for_each(|d| d.check(robot))?;
         let mut variants = Vec::new();
         variants.resize_with(1 << count, OnceLock::new);
@@ -145,57 +144,31 @@ impl Disturbance {
         let (from, until) = match self.when {
             When::Time(from, until) | When::Place(from, until) => (from, until),
         };
-        let ordered = from < until && !from.is_nan();
-        require(
-            ordered,
-            "end of a disturbance",
-            until,
-            format!("a number above its begin, {from}"),
-        )?;
+        ensure! {
+            "end of a disturbance", until, from < until && !from.is_nan()
+                => format!("a number above its begin, {from}");
+        }
         match self.what {
             What::Slope(angle) => {
                 let total = robot.ground.tilt + angle;
-                require(
-                    total.abs() < 0.7,
-                    "slope (rad)",
-                    angle,
-                    "between -0.7 and 0.7",
-                )
+                ensure! { "slope (rad)", angle, total.abs() < 0.7 => "between -0.7 and 0.7"; }
             }
-            What::Force(force) => require(
-                force.abs() < 1e4,
-                "force on the boom (N)",
-                force,
-                "below 10000 N",
-            ),
-            What::Torque(torque) => require(
-                torque.abs() < 1e4,
-                "torque on the wheel (N m)",
-                torque,
-                "below 10000 N m",
-            ),
-            What::Supply(pressure) => {
-                let is_pneumatic = robot.leg.cylinder().is_some();
-                require(
-                    is_pneumatic,
-                    "supply pressure (Pa)",
-                    pressure,
-                    "that of a pneumatic leg",
-                )?;
-                let sound = (0.0..=1e8).contains(&pressure);
-                require(
-                    sound,
-                    "supply pressure above ambient (Pa)",
-                    pressure,
-                    "from 0 to 1e8 Pa",
-                )
+            What::Force(force) => {
+                ensure! { "force on the boom (N)", force, force.abs() < 1e4 => "below 10000 N"; }
             }
-            What::Friction(coefficient) => require(
-                coefficient >= 0.0,
-                "friction coefficient",
-                coefficient,
-                "a number ≥ 0",
-            ),
+            What::Torque(torque) => ensure! {
+                "torque on the wheel (N m)", torque, torque.abs() < 1e4 => "below 10000 N m";
+            },
+            What::Supply(pressure) => ensure! {
+                "supply pressure (Pa)", pressure, robot.leg.cylinder().is_some()
+                    => "that of a pneumatic leg";
+                "supply pressure above ambient (Pa)", pressure, (0.0..=1e8).contains(&pressure)
+                    => "from 0 to 1e8 Pa";
+            },
+            What::Friction(friction) => {
+                ensure! { "friction coefficient", friction, friction >= 0.0 => "a number ≥ 0"; }
+            }
         }
+        Ok(())
     }
 }

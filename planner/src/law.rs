@@ -1,6 +1,5 @@
 //! Linear laws α_f = A ω + B: what a controller can carry in two numbers, and what that costs.
 
-use saltus_lagrangian::Launch;
 use saltus_numeric::statistics::line;
 
 use crate::model::JumpModel;
@@ -131,15 +130,8 @@ impl Planner<dyn JumpModel> {
             let target = request.targets[target];
             let points = known.iter().map(|&(rate, exact)| {
                 let fitted = slope * rate + intercept;
-                let lean = request.start_lean.unwrap_or(fitted);
-                let launch = Launch {
-                    rate,
-                    lean,
-                    firing_angle: fitted,
-                    valve_open: request.valve_open,
-                };
                 let value = self
-                    .jump(&launch)
+                    .jump(&request.launch(rate, fitted))
                     .ok()
                     .and_then(|jump| request.measure.of(self.robot(), &jump));
                 LawPoint {

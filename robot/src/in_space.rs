@@ -36,7 +36,7 @@ pub(crate) fn read(
         [xx, yy, zz, xy, xz, yz] => [xx, yy, zz, xy, xz, yz],
         _ => [f64::NAN; 6],
     };
-    space.center = body.vector("center_of_mass", LENGTH).unwrap_or_default();
+    space.center = body.array("center_of_mass", LENGTH).unwrap_or_default();
     robot.body.legs = u32::try_from(count).unwrap_or(u32::MAX);
     robot.body.inertia = space.inertia[..3].iter().sum::<f64>() / 3.0;
     let (moments, place) = (space.inertia, body.place().clone());

@@ -162,59 +162,60 @@ impl Section {
         domain: Domain,
         count: usize,
     ) -> Vec<f64> {
-        let ways = [(stem, domain)];
-        let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
-            self.missing(&spellings(&ways, quantity).0, "");
-            return Vec::new();
-        };
-        match node.value {
-            Value::Array(items) if items.len() == count => {
-                self.items(&key, items, (unit, quantity, domain))
-            }
-            Value::Array(ref items) => {
-                let given = items.len();
-                let allowed = format!("one number, or a list of {count}; this list has {given}");
-                self.refuse(self.dotted(&key), node, allowed);
-                Vec::new()
-            }
-            _ => vec![self.si(self.dotted(&key), node, (unit, quantity, domain))],
-        }
+        self.one_or_list(stem, quantity, domain, |given| {
+            (given != count)
+                .then(|| format!("one number, or a list of {count}; this list has {given}"))
+        })
     }
 
     /// A list of numbers `stem` (SI), of any length above 0; one number is a list of one.
     pub fn list(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Vec<f64> {
+        self.one_or_list(stem, quantity, domain, |given| {
+            (given == 0).then(|| "a list of numbers, not empty".into())
+        })
+    }
+
+    /// One number `stem` (SI), or a list of them; `refuses` says of a length that is not allowed what
+    /// is.
+    fn one_or_list(
+        &mut self,
+        stem: &str,
+        quantity: Quantity,
+        domain: Domain,
+        refuses: impl FnOnce(usize) -> Option<String>,
+    ) -> Vec<f64> {
         let ways = [(stem, domain)];
         let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
             self.missing(&spellings(&ways, quantity).0, "");
             return Vec::new();
         };
-        match node.value {
-            Value::Array(items) if !items.is_empty() => {
-                self.items(&key, items, (unit, quantity, domain))
-            }
-            Value::Array(_) => {
-                self.refuse(
-                    self.dotted(&key),
-                    node,
-                    "a list of numbers, not empty".into(),
-                );
-                Vec::new()
-            }
-            _ => vec![self.si(self.dotted(&key), node, (unit, quantity, domain))],
+        let Value::Array(items) = &node.value else {
+            return vec![self.si(self.dotted(&key), node, (unit, quantity, domain))];
+        };
+        if let Some(allowed) = refuses(items.len()) {
+            self.refuse(self.dotted(&key), node, allowed);
+            return Vec::new();
         }
+        let items = items.clone();
+        self.items(&key, items, (unit, quantity, domain))
     }
 
-    /// Two finite numbers `stem` (SI), if given.
-    pub fn pair(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; 2]> {
+    /// So many finite numbers `stem` (SI), if given.
+    pub fn array<const N: usize>(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; N]> {
         let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
         match &node.value {
-            Value::Array(items) if items.len() == 2 => {
+            Value::Array(items) if items.len() == N => {
                 let items = items.clone();
                 let numbers = self.items(&key, items, (unit, quantity, Domain::FINITE));
                 numbers.try_into().ok()
             }
             _ => {
-                self.refuse(self.dotted(&key), node, "a list of two numbers".into());
+                let count = if N == 2 { "two" } else { "three" };
+                self.refuse(
+                    self.dotted(&key),
+                    node,
+                    format!("a list of {count} numbers"),
+                );
                 None
             }
         }
@@ -296,23 +297,6 @@ impl Section {
         let keys: Vec<String> = self.entries.keys().cloned().collect();
         let text = |key: String| Some((key.clone(), self.text_as(&key, allowed, &read)?));
         keys.into_iter().filter_map(text).collect()
-    }
-
-    /// Three finite numbers `stem` (SI), if given.
-    pub(crate) fn vector(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; 3]> {
-        let meaning = [(stem, Domain::FINITE)];
-        let (key, _, unit, node) = self.spelled(&meaning, quantity)?;
-        match &node.value {
-            Value::Array(items) if items.len() == 3 => {
-                let items = items.clone();
-                let numbers = self.items(&key, items, (unit, quantity, Domain::FINITE));
-                numbers.try_into().ok()
-            }
-            _ => {
-                self.refuse(self.dotted(&key), node, "a list of three numbers".into());
-                None
-            }
-        }
     }
 
     /// The numbers (SI) of the list `key`; messages count its items from 1.

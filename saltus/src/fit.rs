@@ -6,9 +6,7 @@
 //! Source: thesis §4.3.3, table 4.2.
 
 use saltus_diagnosis::kinds::{Firings, Problem};
-use saltus_diagnosis::{
-    Cause, Channel, Estimate, Experiment, Kind, Log, Parameter, Sort, Terms, estimate,
-};
+use saltus_diagnosis::{Cause, Data, Estimate, Experiment, Kind, Parameter, Sort, Terms, estimate};
 use saltus_robot::{Drive, Robot};
 
 /// What table 4.2 of the thesis lists and the data can tell.
@@ -76,7 +74,7 @@ pub fn fit(experiment: &Experiment, robot: &Robot, names: &[String]) -> Result<F
         });
     }
     let bench = Bench::new(experiment, robot, names)?;
-    let all: Vec<usize> = (0..bench.causes.len()).collect();
+    let all: Vec<usize> = (0..bench.data.causes.len()).collect();
     let estimate = estimate(&bench, &all).ok_or(Error::NoMotion)?;
     let robot = bench.robot(&estimate.after.terms).ok_or(Error::NoMotion)?;
     Ok(Fitted { estimate, robot })
@@ -97,7 +95,8 @@ struct Bench {
     /// Each run alone, its noise as in all of them.
     singles: Vec<Experiment>,
     believed: Robot,
-    causes: Vec<Cause>,
+    /// That of the firings, with these causes alone.
+    data: Data,
     places: Vec<Place>,
 }
 
@@ -137,11 +136,16 @@ impl Bench {
             }
         };
         let singles = experiment.runs.iter().map(single).collect();
+        let data = Data {
+            listed: causes.len(),
+            causes,
+            ..firings.data().clone()
+        };
         Ok(Bench {
             firings,
             singles,
             believed: robot.clone(),
-            causes,
+            data,
             places,
         })
     }
@@ -154,7 +158,7 @@ impl Bench {
             let value = terms.get(k, 0);
             match place {
                 Place::Cause(cause, parameter) => own.set(*cause, *parameter, value),
-                Place::Orifice if value != self.causes[k].parameters[0].neutral => {
+                Place::Orifice if value != self.data.causes[k].parameters[0].neutral => {
                     let mut robot = self.believed.clone();
                     if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
                         cylinder.orifice_radius = value;
@@ -210,20 +214,12 @@ fn parameters(firings: &Firings, robot: &Robot) -> Vec<(&'static str, Parameter,
 }
 
 impl Kind for Bench {
-    fn channels(&self) -> &[Channel] {
-        self.firings.channels()
-    }
-
-    fn logs(&self) -> &[Log] {
-        self.firings.logs()
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
         self.firings.unknowns(run)
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {

@@ -4,6 +4,7 @@
 //! Source: as in `tree`; in a plane the products of rates are centripetal and Coriolis terms alone.
 
 use crate::SimError;
+use crate::error::require;
 use crate::tree::{Joint, Tree};
 
 /// Most bodies of a chain.
@@ -109,32 +110,32 @@ impl Chain {
     /// # Errors
     /// [`SimError::Input`] for other joints, or more than [`MOST`] bodies.
     pub fn new(tree: &Tree, gravity: [f64; 2]) -> Result<Chain, SimError> {
-        let refused = |name: String, value: f64, allowed: &'static str| {
-            Err(SimError::Input {
-                name,
-                value,
-                allowed,
-            })
-        };
-        if tree.bodies().len() > MOST {
-            let count = tree.bodies().len() as f64;
-            return refused("bodies of a chain".into(), count, "12 at most");
-        }
+        let count = tree.bodies().len();
+        require(
+            count <= MOST,
+            "bodies of a chain",
+            count as f64,
+            "12 at most",
+        )?;
         let mut bodies = Vec::new();
         for body in tree.bodies() {
             let rotation = &body.placement.rotation;
             let off = rotation[(1, 1)] - 1.0;
-            let name = || format!("joint of body '{}', out of the plane by", body.name);
+            let refused = |value: f64, allowed: &'static str| SimError::Input {
+                name: format!("joint of body '{}', out of the plane by", body.name),
+                value,
+                allowed,
+            };
             if off.abs() > 1e-9 {
-                return refused(name(), off, "0");
+                return Err(refused(off, "0"));
             }
             let way = match body.joint {
                 Joint::Revolute(axis) if axis.y.abs() > 1.0 - 1e-12 => Way::Turns(axis.y.signum()),
                 Joint::Prismatic(axis) if axis.y.abs() < 1e-12 => Way::Slides([axis.x, axis.z]),
                 Joint::Revolute(axis) | Joint::Prismatic(axis) => {
-                    return refused(name(), axis.y, "an axis across the plane, or along it");
+                    return Err(refused(axis.y, "an axis across the plane, or along it"));
                 }
-                Joint::Free => return refused(name(), 1.0, "a joint that turns or slides"),
+                Joint::Free => return Err(refused(1.0, "a joint that turns or slides")),
             };
             bodies.push(Flat {
                 parent: body.parent,

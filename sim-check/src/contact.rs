@@ -2,7 +2,7 @@
 //! steps.
 
 use crate::SimError;
-use crate::error::{finite, not_negative, positive, require};
+use crate::error::{ensure, finite, not_negative, positive, require};
 use crate::spatial::Vec3;
 use nalgebra::Rotation3;
 use saltus_numeric::root::bisect;
@@ -310,18 +310,11 @@ impl Friction {
             Friction::Axes { along, across } => vec![along, across],
         };
         for (standing, slipping) in pairs {
-            require(
-                standing >= 0.0,
-                "static friction coefficient",
-                standing,
-                "a number ≥ 0, or inf",
-            )?;
-            require(
-                (0.0..=standing).contains(&slipping),
-                "kinetic friction coefficient",
-                slipping,
-                "a number from 0 to the static one",
-            )?;
+            ensure! {
+                "static friction coefficient", standing, standing >= 0.0 => "a number ≥ 0, or inf";
+                "kinetic friction coefficient", slipping, (0.0..=standing).contains(&slipping)
+                    => "a number from 0 to the static one";
+            }
         }
         Ok(())
     }

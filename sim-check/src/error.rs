@@ -145,7 +145,19 @@ pub(crate) fn require(
     })
 }
 
-/// The same for numbers that must be finite.
+/// [`SimError::Length`] unless a list is as long as it must be.
+pub(crate) fn length(name: &'static str, given: usize, wanted: usize) -> Result<(), SimError> {
+    if given == wanted {
+        return Ok(());
+    }
+    Err(SimError::Length {
+        name,
+        given,
+        wanted,
+    })
+}
+
+/// [`SimError::Input`] for numbers that must be finite.
 pub(crate) fn finite(name: impl Display, values: &[f64]) -> Result<(), SimError> {
     match values.iter().find(|x| !x.is_finite()) {
         Some(x) => require(false, name, *x, "finite"),
@@ -162,3 +174,12 @@ pub(crate) fn positive(name: impl Display, x: f64) -> Result<(), SimError> {
 pub(crate) fn not_negative(name: impl Display, x: f64) -> Result<(), SimError> {
     require(x >= 0.0 && x.is_finite(), name, x, "a finite number ≥ 0")
 }
+
+/// Returns the error of the first number that is not allowed. Each has a row: name, value, whether
+/// it is allowed, and what is.
+macro_rules! ensure {
+    ($($name:expr, $value:expr, $holds:expr => $allowed:expr;)+) => {{
+        $($crate::error::require($holds, $name, $value, $allowed)?;)+
+    }};
+}
+pub(crate) use ensure;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use saltus_numeric::refused;
 use saltus_robot::{Launch, LiftOff, Outcome};
 
 use crate::SimError;
+use crate::error::ensure;
 use crate::rig::Rig;
 use crate::sim::{Happening, Ledger, Pause, Settings, Sim, Stepping};
 
@@ -142,7 +142,7 @@ fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
     let (angle, open) = (launch.firing_angle, launch.valve_open);
     let (sample, patience, height) = (plan.sample, plan.patience, plan.landing_height);
     let in_flight = plan.flight_sample.unwrap_or(sample);
-    let wrong = refused! {
+    ensure! {
         "firing angle (rad)", angle, angle.abs() < FRAC_PI_2 => "between -pi/2 and pi/2";
         "valve opening time (s)", open, (0.0..=1e3).contains(&open) => "from 0 to 1000";
         "time between samples (s)", sample, sample > 1e-7 && sample.is_finite() => "above 1e-7";
@@ -150,14 +150,8 @@ fn check(launch: &Launch, plan: &Plan) -> Result<(), SimError> {
             => "above 1e-7";
         "patience (s)", patience, patience > 0.0 && patience < 1e4 => "above 0, below 10000";
         "landing height (m)", height, height.is_finite() => "a finite number";
-    };
-    wrong.map_or(Ok(()), |(name, value, allowed)| {
-        Err(SimError::Input {
-            name: name.into(),
-            value,
-            allowed,
-        })
-    })
+    }
+    Ok(())
 }
 
 struct Recorder<'a> {

@@ -4,7 +4,7 @@ use saltus_pneumatics::{Feed, Leg};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Material, Surface, Travel};
-use crate::error::{finite, not_negative, require};
+use crate::error::{ensure, finite, length, not_negative, require};
 use crate::spatial::Vec3;
 use crate::tree::{Joint, Pose, Tree};
 
@@ -89,12 +89,10 @@ impl JointParts {
             not_negative(what, x)?;
         }
         let (rest, (low, high)) = (self.spring.1, self.stops);
-        require(
-            ![rest, low, high].iter().any(|x| x.is_nan()),
-            format_args!("rest or stop in the joint of '{name}'"),
-            f64::NAN,
-            "a number",
-        )?;
+        ensure! {
+            format_args!("rest or stop in the joint of '{name}'"), f64::NAN, ![rest, low, high].iter().any(|x| x.is_nan())
+                => "a number";
+        }
         let spring = format_args!("rest of the spring in the joint of '{name}'");
         finite(spring, &[rest])?;
         let stops = format_args!("stops in the joint of '{name}', low above high");
@@ -162,14 +160,7 @@ impl Mechanism {
 
     /// Checks every number, and that each joint has something to move at coordinates `q`.
     pub(crate) fn check(&self, q: &[f64]) -> Result<(), SimError> {
-        let (given, wanted) = (self.joints.len(), self.tree.bodies().len());
-        if given != wanted {
-            return Err(SimError::Length {
-                name: "joints",
-                given,
-                wanted,
-            });
-        }
+        length("joints", self.joints.len(), self.tree.bodies().len())?;
         finite("gravity (m/s²)", self.gravity.as_slice())?;
         self.material.check()?;
         self.surfaces.iter().try_for_each(Surface::check)?;
@@ -188,12 +179,10 @@ impl Mechanism {
 
     fn check_point(&self, point: &ContactPoint) -> Result<(), SimError> {
         let (name, body) = (&point.name, point.body);
-        require(
-            body < self.tree.bodies().len(),
-            format_args!("body of point '{name}'"),
-            body as f64,
-            "one of the tree's",
-        )?;
+        ensure! {
+            format_args!("body of point '{name}'"), body as f64, body < self.tree.bodies().len()
+                => "one of the tree's";
+        }
         not_negative(format_args!("radius of point '{name}' (m)"), point.radius)?;
         finite(
             format_args!("centre of point '{name}' (m)"),
@@ -211,12 +200,9 @@ impl Mechanism {
             not_negative("drag coefficient (kg/m)", drag.coefficient)?;
         }
         finite("force from outside (N or N m)", &self.forces)?;
-        if !self.forces.is_empty() && self.forces.len() != self.tree.velocities() {
-            return Err(SimError::Length {
-                name: "forces from outside",
-                given: self.forces.len(),
-                wanted: self.tree.velocities(),
-            });
+        if !self.forces.is_empty() {
+            let wanted = self.tree.velocities();
+            length("forces from outside", self.forces.len(), wanted)?;
         }
         match self.travel {
             Travel::Around(center) => finite("centre of the travel (m)", center.as_slice()),

@@ -2,6 +2,8 @@
 
 mod rubber;
 
+use std::fmt::Write;
+
 use saltus_robot::space::{Factors, rests};
 use saltus_robot::{Drive, ReturnSpring, Robot};
 
@@ -11,7 +13,7 @@ use crate::error::require;
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::Joint;
-use crate::xml::{Attribute, POINT, Xml, bodily, number, numbers, plain, positive_or, vector};
+use crate::xml::{POINT, Xml, bodily, escaped, number, numbers, plain, positive_or, vector};
 
 /// Friction coefficient that stands for one that is infinite.
 ///
@@ -55,7 +57,8 @@ pub fn mjcf(robot: &Robot) -> Result<String, SimError> {
         xml: Xml::default(),
     };
     writer.head();
-    writer.xml.open("mujoco", &[("model", robot.name.clone())]);
+    let name = escaped(&robot.name);
+    writer.xml.open(format_args!(r#"mujoco model="{name}""#));
     writer.options();
     writer.world();
     writer.contacts();
@@ -115,68 +118,37 @@ impl Writer<'_> {
     }
 
     fn options(&mut self) {
-        self.xml.leaf(
-            "compiler",
-            &[
-                ("angle", "radian".into()),
-                ("autolimits", "true".into()),
-                ("inertiafromgeom", "false".into()),
-            ],
-        );
-        let mut option = vec![
-            ("timestep", number(STEP)),
-            ("integrator", "implicitfast".into()),
-            ("cone", "elliptic".into()),
-            // At its default of 1e-8 the solver gives up while two coefficients of friction are
-            // far apart.
-            ("tolerance", "1e-15".into()),
-            ("gravity", vector(&self.rig.mechanism.gravity)),
-        ];
-        if self.rig.mechanism.material.compliance.is_some() {
-            option.push(("impratio", number(rubber::FRICTION_STIFFER)));
-        }
-        self.xml.leaf("option", &option);
-        self.xml.open("default", &[]);
-        let solver = [("solref", REFERENCE.into()), ("solimp", IMPEDANCE.into())];
-        self.xml.leaf(
-            "geom",
-            &[("contype", "0".into()), ("conaffinity", "0".into())],
-        );
-        self.xml.leaf(
-            "joint",
-            &[
-                ("solreflimit", STOP.into()),
-                ("solimplimit", IMPEDANCE.into()),
-                ("solreffriction", REFERENCE.into()),
-                ("solimpfriction", IMPEDANCE.into()),
-            ],
-        );
-        self.xml.leaf("equality", &solver);
-        self.xml.leaf(
-            "pair",
-            &[&[("condim", "3".into())], solver.as_slice()].concat(),
-        );
+        self.xml
+            .leaf(r#"compiler angle="radian" autolimits="true" inertiafromgeom="false""#);
+        let (step, gravity) = (number(STEP), vector(&self.rig.mechanism.gravity));
+        let compliance = self.rig.mechanism.material.compliance;
+        let stiffer = compliance.map_or(String::new(), |_| {
+            format!(r#" impratio="{}""#, number(rubber::FRICTION_STIFFER))
+        });
+        // At its default tolerance of 1e-8 the solver gives up while two coefficients of friction
+        // are far apart.
+        self.xml.leaf(format_args!(
+            r#"option timestep="{step}" integrator="implicitfast" cone="elliptic" tolerance="1e-15" gravity="{gravity}"{stiffer}"#
+        ));
+        self.xml.open("default");
+        let solver = format!(r#"solref="{REFERENCE}" solimp="{IMPEDANCE}""#);
+        self.xml.leaf(r#"geom contype="0" conaffinity="0""#);
+        self.xml.leaf(format_args!(
+            r#"joint solreflimit="{STOP}" solimplimit="{IMPEDANCE}" solreffriction="{REFERENCE}" solimpfriction="{IMPEDANCE}""#
+        ));
+        self.xml.leaf(format_args!("equality {solver}"));
+        self.xml.leaf(format_args!(r#"pair condim="3" {solver}"#));
         self.xml.close("default");
     }
 
     fn world(&mut self) {
-        self.xml.open("worldbody", &[]);
-        self.xml.leaf(
-            "light",
-            &[("pos", "0 0 4".into()), ("dir", "0 0 -1".into())],
-        );
+        self.xml.open("worldbody");
+        self.xml.leaf(r#"light pos="0 0 4" dir="0 0 -1""#);
         if let Some(Surface::Plane { point, normal }) = self.rig.mechanism.surfaces.first() {
-            self.xml.leaf(
-                "geom",
-                &[
-                    ("name", "ground".into()),
-                    ("type", "plane".into()),
-                    ("pos", vector(point)),
-                    ("zaxis", vector(normal)),
-                    ("size", "5 5 0.1".into()),
-                    ("rgba", "0.8 0.8 0.8 1".into()),
-                ],
-            );
+            let (point, normal) = (vector(point), vector(normal));
+            self.xml.leaf(format_args!(
+                r#"geom name="ground" type="plane" pos="{point}" zaxis="{normal}" size="5 5 0.1" rgba="0.8 0.8 0.8 1""#
+            ));
         }
         for body in self.children(None) {
             self.body(body, Vec3::zeros(), Vec::new());
@@ -217,8 +189,9 @@ impl Writer<'_> {
         } else {
             at
         };
+        let (name, at) = (plain(&body.name), vector(&at));
         self.xml
-            .open("body", &[("name", plain(&body.name)), ("pos", vector(&at))]);
+            .open(format_args!(r#"body name="{name}" pos="{at}""#));
         self.inertial(index);
         for joint in &joints {
             self.joint(joint);
@@ -243,47 +216,42 @@ impl Writer<'_> {
         // MuJoCo finds the axes of a full matrix with round-off that a disc, two of whose moments
         // sum to the third, does not bear.
         let moments = if off == [0.0; 3] {
-            ("diaginertia", vector(&diagonal))
+            format!(r#"diaginertia="{}""#, vector(&diagonal))
         } else {
-            (
-                "fullinertia",
-                format!("{} {}", vector(&diagonal), numbers(&off)),
-            )
+            format!(r#"fullinertia="{} {}""#, vector(&diagonal), numbers(&off))
         };
-        let attributes = [
-            ("pos", vector(&body.center)),
-            ("mass", number(body.mass)),
-            moments,
-        ];
-        self.xml.leaf("inertial", &attributes);
+        let (center, mass) = (vector(&body.center), number(body.mass));
+        self.xml.leaf(format_args!(
+            r#"inertial pos="{center}" mass="{mass}" {moments}"#
+        ));
     }
 
     fn joint(&mut self, waiting: &Waiting) {
         let (rig, index) = (self.rig, waiting.body);
         let body = &rig.mechanism.tree.bodies()[index];
+        let name = plain(&body.name);
         let (kind, axis) = match body.joint {
             Joint::Revolute(axis) => ("hinge", axis),
             Joint::Prismatic(axis) => ("slide", axis),
             Joint::Free => {
-                self.xml.leaf("freejoint", &[("name", plain(&body.name))]);
+                self.xml.leaf(format_args!(r#"freejoint name="{name}""#));
                 return;
             }
         };
-        let mut attributes = vec![
-            ("name", plain(&body.name)),
-            ("type", kind.into()),
-            ("axis", vector(&axis)),
-            ("pos", vector(&waiting.anchor)),
-        ];
+        let (axis, at) = (vector(&axis), vector(&waiting.anchor));
+        let mut joint = format!(r#"joint name="{name}" type="{kind}" axis="{axis}" pos="{at}""#);
+        let mut add = |key, value: String| {
+            let _ = write!(joint, r#" {key}="{value}""#);
+        };
         if Some(index) == self.height() {
-            attributes.push(("ref", number(rig.radius)));
+            add("ref", number(rig.radius));
         }
         let parts = &rig.mechanism.joints[index];
         let (mut damping, mut dry, mut spring) = (parts.damping, parts.friction, parts.spring);
         let leg = rig.mechanism.legs.iter().position(|leg| leg.body == index);
         if let Some(k) = leg {
             let (leg, of) = (&rig.mechanism.legs[k], self.robot.own_leg(k));
-            attributes.push(("range", numbers(&[0.0, leg.leg.stroke])));
+            add("range", numbers(&[0.0, leg.leg.stroke]));
             (damping, dry) = (of.viscous_friction, of.coulomb_friction);
             if let Some(s) = of.return_spring.filter(|s| s.stiffness > 0.0) {
                 spring = (s.stiffness, -s.preload / s.stiffness);
@@ -295,13 +263,10 @@ impl Writer<'_> {
             ("stiffness", spring.0),
             ("springref", spring.1),
         ];
-        attributes.extend(
-            optional
-                .into_iter()
-                .filter(|(_, x)| *x != 0.0)
-                .map(|(key, x)| (key, number(x))),
-        );
-        self.xml.leaf("joint", &attributes);
+        for (key, x) in optional.into_iter().filter(|(_, x)| *x != 0.0) {
+            add(key, number(x));
+        }
+        self.xml.leaf(joint);
     }
 
     /// What is seen of a body, and the feet that touch the ground.
@@ -311,15 +276,13 @@ impl Writer<'_> {
         if index == rig.wheel {
             let thickness = 0.05 * rig.radius;
             let ends = [-thickness, thickness].map(|y| Vec3::y() * y);
-            let color = ("rgba", "0.3 0.4 0.6 1".into());
-            self.cylinder(ends, 0.6 * rig.radius, Some(color));
-            self.xml
-                .leaf("site", &[("name", "axle".into()), ("size", "0.005".into())]);
+            self.cylinder(ends, 0.6 * rig.radius, r#" rgba="0.3 0.4 0.6 1""#);
+            self.xml.leaf(r#"site name="axle" size="0.005""#);
         } else if let Some(point) = points.find(|point| point.body == index) {
             self.rod_and_foot(point);
         } else if let Some(boom) = &robot.boom {
             let ends = [Vec3::zeros(), Vec3::y() * boom.inner_length()];
-            self.cylinder(ends, positive_or(boom.radius, 0.01), None);
+            self.cylinder(ends, positive_or(boom.radius, 0.01), "");
         }
     }
 
@@ -332,32 +295,23 @@ impl Writer<'_> {
         let thickness = positive_or(part.radius, 0.02 * length);
         // Rods are drawn short of the tip, or they would hide the foot.
         let ends = [tip - way * rod, tip - way * thickness.min(0.5 * rod)];
-        self.cylinder(ends, thickness, None);
+        self.cylinder(ends, thickness, "");
         let radius = positive_or(point.radius, POINT);
-        let name = ("name", plain(&point.name));
-        let center = ("pos", vector(&(tip - way * radius)));
-        self.xml.leaf(
-            "geom",
-            &[
-                name.clone(),
-                ("type", "sphere".into()),
-                center.clone(),
-                ("size", number(radius)),
-                ("rgba", "0.8 0.2 0.2 1".into()),
-            ],
-        );
-        self.xml
-            .leaf("site", &[name, center, ("size", number(radius + 0.005))]);
+        let (name, center) = (plain(&point.name), vector(&(tip - way * radius)));
+        let (size, seen) = (number(radius), number(radius + 0.005));
+        self.xml.leaf(format_args!(
+            r#"geom name="{name}" type="sphere" pos="{center}" size="{size}" rgba="0.8 0.2 0.2 1""#
+        ));
+        self.xml.leaf(format_args!(
+            r#"site name="{name}" pos="{center}" size="{seen}""#
+        ));
     }
 
-    fn cylinder(&mut self, ends: [Vec3; 2], radius: f64, color: Option<Attribute>) {
-        let shape = [
-            ("type", "cylinder".into()),
-            ("fromto", ends.map(|end| vector(&end)).join(" ")),
-            ("size", number(radius)),
-        ];
-        let attributes: Vec<Attribute> = shape.into_iter().chain(color).collect();
-        self.xml.leaf("geom", &attributes);
+    fn cylinder(&mut self, ends: [Vec3; 2], radius: f64, color: &str) {
+        let (ends, size) = (ends.map(|end| vector(&end)).join(" "), number(radius));
+        self.xml.leaf(format_args!(
+            r#"geom type="cylinder" fromto="{ends}" size="{size}"{color}"#
+        ));
     }
 
     fn contacts(&mut self) {
@@ -370,21 +324,18 @@ impl Writer<'_> {
         } else {
             along.clone()
         };
-        self.xml.open("contact", &[]);
+        self.xml.open("contact");
         for point in feet(self.rig) {
-            let mut pair = vec![
-                ("geom1", "ground".into()),
-                ("geom2", plain(&point.name)),
-                ("friction", format!("{across} {along} 0 0 0")),
-            ];
-            if let Some(law) = self.rig.mechanism.material.compliance {
-                pair.extend(rubber::pair(
-                    law,
-                    rubber::mobility(self.rig, point.body),
-                    STEP,
-                ));
-            }
-            self.xml.leaf("pair", &pair);
+            let soft = self
+                .rig
+                .mechanism
+                .material
+                .compliance
+                .map(|law| rubber::pair(law, rubber::mobility(self.rig, point.body), STEP));
+            let (name, soft) = (plain(&point.name), soft.unwrap_or_default());
+            self.xml.leaf(format_args!(
+                r#"pair geom1="ground" geom2="{name}" friction="{across} {along} 0 0 0"{soft}"#
+            ));
         }
         self.xml.close("contact");
     }
@@ -398,25 +349,20 @@ impl Writer<'_> {
     }
 
     fn latches(&mut self) {
-        self.xml.open("equality", &[]);
-        for (k, joint1) in self.legs().into_iter().enumerate() {
-            self.xml.leaf(
-                "joint",
-                &[
-                    ("name", format!("latch_{k}")),
-                    ("joint1", joint1),
-                    ("polycoef", "0 0 0 0 0".into()),
-                ],
-            );
+        self.xml.open("equality");
+        for (k, joint) in self.legs().into_iter().enumerate() {
+            self.xml.leaf(format_args!(
+                r#"joint name="latch_{k}" joint1="{joint}" polycoef="0 0 0 0 0""#
+            ));
         }
         self.xml.close("equality");
     }
 
     fn actuators(&mut self) {
-        self.xml.open("actuator", &[]);
+        self.xml.open("actuator");
         for joint in self.legs() {
             self.xml
-                .leaf("motor", &[("name", joint.clone()), ("joint", joint)]);
+                .leaf(format_args!(r#"motor name="{joint}" joint="{joint}""#));
         }
         self.xml.close("actuator");
     }
@@ -429,58 +375,30 @@ impl Writer<'_> {
             .iter()
             .filter(|body| body.joint != Joint::Free);
         let joints: Vec<String> = bodies.map(|body| plain(&body.name)).collect();
-        self.xml.open("sensor", &[]);
+        self.xml.open("sensor");
         for joint in joints {
-            self.xml.leaf(
-                "jointpos",
-                &[
-                    ("name", format!("{joint}_position")),
-                    ("joint", joint.clone()),
-                ],
-            );
-            self.xml.leaf(
-                "jointvel",
-                &[("name", format!("{joint}_velocity")), ("joint", joint)],
-            );
+            for (sensor, what) in [("jointpos", "position"), ("jointvel", "velocity")] {
+                self.xml.leaf(format_args!(
+                    r#"{sensor} name="{joint}_{what}" joint="{joint}""#
+                ));
+            }
         }
-        for sensor in ["framepos", "framelinvel"] {
-            let name = format!(
-                "axle_{}",
-                if sensor == "framepos" {
-                    "position"
-                } else {
-                    "velocity"
-                }
-            );
-            self.xml.leaf(
-                sensor,
-                &[
-                    ("name", name),
-                    ("objtype", "site".into()),
-                    ("objname", "axle".into()),
-                ],
-            );
+        let attitude = self
+            .robot
+            .space
+            .is_some()
+            .then_some(("framequat", "attitude"));
+        let motion = [("framepos", "position"), ("framelinvel", "velocity")];
+        for (sensor, what) in motion.into_iter().chain(attitude) {
+            self.xml.leaf(format_args!(
+                r#"{sensor} name="axle_{what}" objtype="site" objname="axle""#
+            ));
         }
-        if self.robot.space.is_some() {
-            self.xml.leaf(
-                "framequat",
-                &[
-                    ("name", "axle_attitude".into()),
-                    ("objtype", "site".into()),
-                    ("objname", "axle".into()),
-                ],
-            );
-        }
-        self.xml.leaf(
-            "gyro",
-            &[("name", "axle_gyro".into()), ("site", "axle".into())],
-        );
+        self.xml.leaf(r#"gyro name="axle_gyro" site="axle""#);
         for point in feet(self.rig) {
             let site = plain(&point.name);
-            self.xml.leaf(
-                "touch",
-                &[("name", format!("{site}_force")), ("site", site)],
-            );
+            self.xml
+                .leaf(format_args!(r#"touch name="{site}_force" site="{site}""#));
         }
         self.xml.close("sensor");
     }
@@ -502,9 +420,10 @@ impl Writer<'_> {
             Some(space) => self.stand_on_feet(&space.directions.vectors())?,
             None => self.rig.stand(0.0, 0.0)?.0,
         };
-        self.xml.open("keyframe", &[]);
+        let q = numbers(&q);
+        self.xml.open("keyframe");
         self.xml
-            .leaf("key", &[("name", "stand".into()), ("qpos", numbers(&q))]);
+            .leaf(format_args!(r#"key name="stand" qpos="{q}""#));
         self.xml.close("keyframe");
         Ok(())
     }

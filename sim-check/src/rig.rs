@@ -8,7 +8,7 @@ use saltus_robot::{Robot, Space, Struts};
 
 use crate::SimError;
 use crate::contact::{ContactPoint, Friction, Material, Surface, Travel};
-use crate::error::require;
+use crate::error::{ensure, require};
 use crate::mechanism::{Drag, JointParts, LegPart, Mechanism};
 use crate::spatial::Vec3;
 use crate::tree::{Body, Joint, Placement, Pose, Tree};
@@ -240,12 +240,7 @@ impl Rig {
         let (lean_key, rate_key) = ("start lean (rad)", "approach rate (rad/s)");
         let is_up = lean.abs() < std::f64::consts::FRAC_PI_2;
         require(is_up, lean_key, lean, "between -pi/2 and pi/2")?;
-        require(
-            rate.abs() < 1e3,
-            rate_key,
-            rate,
-            "a finite number below 1000",
-        )?;
+        ensure! { rate_key, rate, rate.abs() < 1e3 => "a finite number below 1000"; }
         let tree = &self.mechanism.tree;
         let (mut q, mut v) = (vec![0.0; tree.coordinates()], vec![0.0; tree.velocities()]);
         q[self.lean_coordinate()] = lean;
@@ -288,12 +283,7 @@ impl Rig {
     /// does not stand on two.
     pub fn rest(&self, rear: usize) -> Result<Vec<f64>, SimError> {
         let legs = self.legs.len();
-        require(
-            legs >= 3,
-            "legs of a robot that stands on two",
-            legs as f64,
-            "at least 3",
-        )?;
+        ensure! { "legs of a robot that stands on two", legs as f64, legs >= 3 => "at least 3"; }
         require(rear < legs, "leg", rear as f64, "the number of a leg")?;
         let front = (rear + 1) % legs;
         let pitch = std::f64::consts::TAU / legs as f64;
@@ -321,12 +311,7 @@ impl Rig {
             q[unknowns[1]] -= (slopes[0][0] * now[1] - slopes[0][1] * now[0]) / determinant;
         }
         let stands = q.iter().all(|x| x.is_finite());
-        require(
-            stands,
-            "slope of the ground",
-            f64::NAN,
-            "one on which the robot stands",
-        )?;
+        ensure! { "slope of the ground", f64::NAN, stands => "one on which the robot stands"; }
         Ok(q)
     }
 
@@ -339,12 +324,7 @@ impl Rig {
         let tree = &self.mechanism.tree;
         let is_free = matches!(tree.bodies()[self.wheel].joint, Joint::Free);
         let joint = self.wheel as f64;
-        require(
-            is_free,
-            "body of a robot in space",
-            joint,
-            "one that moves freely",
-        )?;
+        ensure! { "body of a robot in space", joint, is_free => "one that moves freely"; }
         let (down, ahead) = (Vec3::from(rest.down), Vec3::from(*ahead));
         let level = ahead - down * ahead.dot(&down);
         let length = level.norm();
@@ -390,14 +370,9 @@ impl Rig {
     pub fn foot_motion(&self, leg: usize, q: &[f64], v: &[f64]) -> (f64, [f64; 3]) {
         let mut pose = Pose::default();
         pose.set(&self.mechanism.tree, q, v);
-        let point = &self.mechanism.points[leg];
-        let center = pose.frames[point.body].point(&point.center);
-        let near = self.mechanism.surfaces[0].proximity(&center);
-        let place = center - near.normal * point.radius;
-        let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
-        let speed = pose.velocities[point.body].at(&place);
-        let speeds = [near.normal, along, across].map(|way| speed.dot(&way));
-        (near.distance - point.radius, speeds)
+        let (gap, place, ways) = self.foot_in(&pose, leg);
+        let speed = pose.velocities[self.mechanism.points[leg].body].at(&place);
+        (gap, ways.map(|way| speed.dot(&way)))
     }
 
     /// A force (N) on the foot of leg `leg` in world axes, of its `parts` along the ground's normal,
@@ -406,13 +381,23 @@ impl Rig {
     /// # Panics
     /// For a leg that is not there, and coordinates that are not the rig's.
     pub fn force_on_foot(&self, leg: usize, q: &[f64], parts: [f64; 3]) -> Vec3 {
-        let pose = self.pose_at(q);
+        let (_, _, [normal, along, across]) = self.foot_in(&self.pose_at(q), leg);
+        normal * parts[0] + along * parts[1] + across * parts[2]
+    }
+
+    /// Gap (m) between the foot of leg `leg` and the ground, where it is nearest, and the directions
+    /// there: along the ground's normal, along the travel and across it.
+    fn foot_in(&self, pose: &Pose, leg: usize) -> (f64, Vec3, [Vec3; 3]) {
         let point = &self.mechanism.points[leg];
         let center = pose.frames[point.body].point(&point.center);
         let near = self.mechanism.surfaces[0].proximity(&center);
         let place = center - near.normal * point.radius;
         let (along, across) = self.mechanism.travel.directions(&place, &near.normal);
-        near.normal * parts[0] + along * parts[1] + across * parts[2]
+        (
+            near.distance - point.radius,
+            place,
+            [near.normal, along, across],
+        )
     }
 
     /// Gap (m) between foot 0 and the ground, and where it is nearest.
@@ -422,14 +407,8 @@ impl Rig {
 
     /// The same for the foot of leg `leg`.
     fn foot_of(&self, leg: usize, q: &[f64]) -> (f64, Vec3) {
-        let pose = self.pose_at(q);
-        let point = &self.mechanism.points[leg];
-        let center = pose.frames[point.body].point(&point.center);
-        let near = self.mechanism.surfaces[0].proximity(&center);
-        (
-            near.distance - point.radius,
-            center - near.normal * point.radius,
-        )
+        let (gap, place, _) = self.foot_in(&self.pose_at(q), leg);
+        (gap, place)
     }
 
     fn slope_of_gap(&self, q: &[f64]) -> f64 {

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use saltus_robot::bodies::RigidBody;
 
 use crate::SimError;
-use crate::error::{finite, not_negative, require};
+use crate::error::{ensure, finite, not_negative, require};
 use crate::spatial::{Inertia, Motion, Vec3, Wrench};
 
 /// Where a frame is in another.
@@ -314,12 +314,10 @@ impl Body {
         let turned = (rotation.transpose() * rotation - Matrix3::identity())
             .abs()
             .max();
-        require(
-            turned < 1e-9 && rotation.determinant() > 0.0,
-            "placement's rotation, deviation",
-            turned,
-            "a rotation matrix",
-        )?;
+        ensure! {
+            "placement's rotation, deviation", turned, turned < 1e-9 && rotation.determinant() > 0.0
+                => "a rotation matrix";
+        }
         self.check_inertia()?;
         match self.joint {
             Joint::Revolute(axis) | Joint::Prismatic(axis) => require(

@@ -1,6 +1,7 @@
 //! A robot for viewers and other simulators: the bodies and joints of its [`Rig`] as a URDF file.
 
 use std::f64::consts::FRAC_PI_2;
+use std::fmt::Display;
 
 use nalgebra::Matrix3;
 use saltus_robot::Robot;
@@ -10,7 +11,7 @@ use crate::contact::ContactPoint;
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::Joint;
-use crate::xml::{Attribute, POINT, Xml, bodily, number, plain, positive_or, vector};
+use crate::xml::{POINT, Xml, bodily, escaped, number, plain, positive_or, vector};
 
 /// Mass (kg) of a link that has none, as between two joints of one body: readers of URDF take no
 /// moving link without mass.
@@ -49,9 +50,10 @@ pub fn urdf(robot: &Robot) -> Result<String, SimError> {
     };
     writer.xml.text.push_str("<?xml version=\"1.0\"?>\n");
     writer.head();
-    writer.xml.open("robot", &[("name", robot.name.clone())]);
+    let name = escaped(&robot.name);
+    writer.xml.open(format_args!(r#"robot name="{name}""#));
     writer.materials();
-    writer.xml.leaf("link", &[("name", "world".into())]);
+    writer.xml.leaf(r#"link name="world""#);
     for body in 0..rig.mechanism.tree.bodies().len() {
         writer.link(body);
         writer.joint(body);
@@ -104,15 +106,16 @@ impl Writer<'_> {
             ("foot", "0.8 0.2 0.2 1"),
         ];
         for (name, rgba) in colors {
-            self.xml.open("material", &[("name", name.into())]);
-            self.xml.leaf("color", &[("rgba", rgba.into())]);
+            self.xml.open(format_args!(r#"material name="{name}""#));
+            self.xml.leaf(format_args!(r#"color rgba="{rgba}""#));
             self.xml.close("material");
         }
     }
 
     fn link(&mut self, index: usize) {
         let body = &self.rig.mechanism.tree.bodies()[index];
-        self.xml.open("link", &[("name", plain(&body.name))]);
+        let name = plain(&body.name);
+        self.xml.open(format_args!(r#"link name="{name}""#));
         self.inertial(body.mass, &body.center, &body.inertia);
         self.shapes(index);
         self.xml.close("link");
@@ -120,20 +123,15 @@ impl Writer<'_> {
 
     fn inertial(&mut self, mass: f64, center: &Vec3, inertia: &Matrix3<f64>) {
         let i = bodily(inertia);
-        self.xml.open("inertial", &[]);
-        self.xml.leaf("origin", &[("xyz", vector(center))]);
-        let mass = number(mass.max(LEAST_MASS));
-        self.xml.leaf("mass", &[("value", mass)]);
-        let moments = [
-            ("ixx", i[(0, 0)]),
-            ("ixy", i[(0, 1)]),
-            ("ixz", i[(0, 2)]),
-            ("iyy", i[(1, 1)]),
-            ("iyz", i[(1, 2)]),
-            ("izz", i[(2, 2)]),
-        ];
-        let moments = moments.map(|(key, x)| (key, number(x)));
-        self.xml.leaf("inertia", &moments);
+        self.xml.open("inertial");
+        let (center, mass) = (vector(center), number(mass.max(LEAST_MASS)));
+        self.xml.leaf(format_args!(r#"origin xyz="{center}""#));
+        self.xml.leaf(format_args!(r#"mass value="{mass}""#));
+        let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+        let [xx, xy, xz, yy, yz, zz] = places.map(|place| number(i[place]));
+        self.xml.leaf(format_args!(
+            r#"inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}""#
+        ));
         self.xml.close("inertial");
     }
 
@@ -167,26 +165,30 @@ impl Writer<'_> {
         let pitch = (along.z / length).clamp(-1.0, 1.0).acos();
         let yaw = along.y.atan2(along.x);
         let turned = vector(&Vec3::new(0.0, pitch, yaw));
-        let shape = [("radius", number(radius)), ("length", number(length))];
-        self.xml.open("visual", &[]);
-        let place = [("xyz", vector(&(0.5 * (from + to)))), ("rpy", turned)];
-        self.xml.leaf("origin", &place);
-        self.geometry("cylinder", &shape);
-        self.xml.leaf("material", &[("name", material.into())]);
+        let (radius, length) = (number(radius), number(length));
+        self.xml.open("visual");
+        let middle = vector(&(0.5 * (from + to)));
+        self.xml
+            .leaf(format_args!(r#"origin xyz="{middle}" rpy="{turned}""#));
+        self.geometry(format_args!(
+            r#"cylinder radius="{radius}" length="{length}""#
+        ));
+        self.xml.leaf(format_args!(r#"material name="{material}""#));
         self.xml.close("visual");
     }
 
     /// A ball around the origin, as it is seen.
     fn ball(&mut self, radius: f64, material: &str) {
-        self.xml.open("visual", &[]);
-        self.geometry("sphere", &[("radius", number(radius))]);
-        self.xml.leaf("material", &[("name", material.into())]);
+        let radius = number(radius);
+        self.xml.open("visual");
+        self.geometry(format_args!(r#"sphere radius="{radius}""#));
+        self.xml.leaf(format_args!(r#"material name="{material}""#));
         self.xml.close("visual");
     }
 
-    fn geometry(&mut self, kind: &str, shape: &[Attribute]) {
-        self.xml.open("geometry", &[]);
-        self.xml.leaf(kind, shape);
+    fn geometry(&mut self, shape: impl Display) {
+        self.xml.open("geometry");
+        self.xml.leaf(shape);
         self.xml.close("geometry");
     }
 
@@ -210,16 +212,13 @@ impl Writer<'_> {
         let parent = parent.map_or("world".into(), |parent| plain(&parent.name));
         let name = plain(&body.name);
         self.open_joint(&name, kind, &parent, &body.placement.position);
-        self.xml.leaf("axis", &[("xyz", vector(&axis))]);
-        if let Some([lower, upper]) = limits {
-            let [effort, velocity] = NO_LIMIT;
-            let limits = [
-                ("lower", number(lower)),
-                ("upper", number(upper)),
-                ("effort", number(effort)),
-                ("velocity", number(velocity)),
-            ];
-            self.xml.leaf("limit", &limits);
+        let axis = vector(&axis);
+        self.xml.leaf(format_args!(r#"axis xyz="{axis}""#));
+        if let Some(limits) = limits {
+            let ([lower, upper], [effort, velocity]) = (limits.map(number), NO_LIMIT.map(number));
+            self.xml.leaf(format_args!(
+                r#"limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{velocity}""#
+            ));
         }
         let parts = &rig.mechanism.joints[index];
         let of = &self.robot.leg;
@@ -228,18 +227,20 @@ impl Writer<'_> {
             None => [parts.damping, parts.friction],
         };
         if damping != 0.0 || friction != 0.0 {
-            let losses = [("damping", number(damping)), ("friction", number(friction))];
-            self.xml.leaf("dynamics", &losses);
+            let [damping, friction] = [damping, friction].map(number);
+            let losses = format_args!(r#"dynamics damping="{damping}" friction="{friction}""#);
+            self.xml.leaf(losses);
         }
         self.xml.close("joint");
     }
 
     fn open_joint(&mut self, name: &str, kind: &str, parent: &str, at: &Vec3) {
+        let at = vector(at);
         self.xml
-            .open("joint", &[("name", name.into()), ("type", kind.into())]);
-        self.xml.leaf("parent", &[("link", parent.into())]);
-        self.xml.leaf("child", &[("link", name.into())]);
-        self.xml.leaf("origin", &[("xyz", vector(at))]);
+            .open(format_args!(r#"joint name="{name}" type="{kind}""#));
+        self.xml.leaf(format_args!(r#"parent link="{parent}""#));
+        self.xml.leaf(format_args!(r#"child link="{name}""#));
+        self.xml.leaf(format_args!(r#"origin xyz="{at}""#));
     }
 
     /// The foot of a leg: a link without mass that is fixed to it.
@@ -249,14 +250,15 @@ impl Writer<'_> {
         let radius = positive_or(point.radius, POINT);
         let name = foot_frame(leg);
         let (seen, touches) = (radius.max(0.03 * rig.radius), radius);
-        self.xml.open("link", &[("name", name.clone())]);
+        self.xml.open(format_args!(r#"link name="{name}""#));
         // Without it, MuJoCo gives the sphere the mass of water.
         self.inertial(0.0, &Vec3::zeros(), &Matrix3::zeros());
         for (use_, radius) in [("visual", seen), ("collision", touches)] {
-            self.xml.open(use_, &[]);
-            self.geometry("sphere", &[("radius", number(radius))]);
+            let radius = number(radius);
+            self.xml.open(use_);
+            self.geometry(format_args!(r#"sphere radius="{radius}""#));
             if use_ == "visual" {
-                self.xml.leaf("material", &[("name", "foot".into())]);
+                self.xml.leaf(r#"material name="foot""#);
             }
             self.xml.close(use_);
         }

@@ -1,6 +1,6 @@
 //! XML as it is written: what MJCF and URDF have in common.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use nalgebra::Matrix3;
 
@@ -44,10 +44,8 @@ pub(crate) fn vector(v: &Vec3) -> String {
     numbers(v.as_slice())
 }
 
-/// Key and value of an XML element.
-pub(crate) type Attribute = (&'static str, String);
-
-/// XML as it is written.
+/// XML as it is written: an element is given as its name and its attributes, as they stand in the
+/// file. A text of the user's in them must be [`escaped`].
 #[derive(Default)]
 pub(crate) struct Xml {
     pub(crate) text: String,
@@ -60,8 +58,8 @@ impl Xml {
         let _ = writeln!(self.text, "{:indent$}{text}", "");
     }
 
-    pub(crate) fn open(&mut self, name: &str, attributes: &[(&str, String)]) {
-        self.line(&format!("<{name}{}>", listed(attributes)));
+    pub(crate) fn open(&mut self, element: impl Display) {
+        self.line(&format!("<{element}>"));
         self.depth += 1;
     }
 
@@ -70,8 +68,8 @@ impl Xml {
         self.line(&format!("</{name}>"));
     }
 
-    pub(crate) fn leaf(&mut self, name: &str, attributes: &[(&str, String)]) {
-        self.line(&format!("<{name}{}/>", listed(attributes)));
+    pub(crate) fn leaf(&mut self, element: impl Display) {
+        self.line(&format!("<{element}/>"));
     }
 
     pub(crate) fn comment(&mut self, lines: &[&str]) {
@@ -84,14 +82,6 @@ impl Xml {
         let text = text.replace("--", "- -").replace("--", "- -");
         self.line(&format!("<!-- {text} -->"));
     }
-}
-
-fn listed(attributes: &[(&str, String)]) -> String {
-    let mut text = String::new();
-    for (key, value) in attributes {
-        let _ = write!(text, " {key}=\"{}\"", escaped(value));
-    }
-    text
 }
 
 /// `text` without the characters that XML has no way to write.
@@ -107,7 +97,8 @@ fn allowed(text: &str) -> String {
         .collect()
 }
 
-fn escaped(text: &str) -> String {
+/// `text` as it stands in an attribute.
+pub(crate) fn escaped(text: &str) -> String {
     let entities = [
         ('&', "&amp;"),
         ('<', "&lt;"),

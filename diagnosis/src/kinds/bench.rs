@@ -2,12 +2,12 @@
 
 use saltus_numeric::statistics::quantile;
 
-use super::Firings;
+use super::robot;
 use crate::experiment::Sort;
 use crate::layout::{Draw, Layout, PSI, TICK, round};
 use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED};
 use crate::spec::{
-    CHAMBER, LOAD, LOGGED, POSITION, Problem, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
+    CHAMBER, LOAD, LOGGED, POSITION, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
     required, without,
 };
 
@@ -63,12 +63,7 @@ pub(super) const SPEC: Spec = Spec {
     ],
     // Nothing pivots before the command.
     phase: |phase| if phase == "pivot" { "at rest" } else { phase },
-    model: |data, robot| {
-        Ok(Box::new(Firings::new(
-            data,
-            robot.ok_or(Problem::NoRobot)?,
-        )?))
-    },
+    model: robot::model,
     synthesis: Synthesis {
         instruments: &[noisy("position_m", 1e-4), noisy("pressure_pa", 2e3)],
         runs: 12,

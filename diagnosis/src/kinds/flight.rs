@@ -1,13 +1,12 @@
 //! A body in free flight or fall, or a robot in flight at the end of a boom.
 
-use super::{Causes, FREE, sensor, simple, unknown};
+use super::{Causes, FREE, amount, causes, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
-use crate::noise;
 use crate::plausible::{Check, LENGTHS};
 use crate::prior::Prior;
 use crate::spec::{
@@ -19,11 +18,8 @@ use crate::spec::{
 #[derive(Clone, Debug)]
 pub struct Flights {
     gravity: f64,
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     causes: Causes<Effect>,
-    /// How many of them have an id.
-    listed: usize,
     /// Whether channel number k is the height.
     is_height: Vec<bool>,
     /// Drag (1/m) of each run for one of the parameter: ρ A/(2 m), or 1.
@@ -59,12 +55,7 @@ impl Flights {
     /// The experiment's flights, believed to be under `gravity` (m/s²).
     pub fn new(experiment: &Experiment, gravity: f64) -> Flights {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
-        let channels = noise::channels(experiment, &indices);
-        let logs: Vec<Log> = experiment
-            .runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &indices))
-            .collect();
+        let mut data = Data::of(experiment, &indices);
         let boom: Vec<Option<f64>> = experiment
             .runs
             .iter()
@@ -76,10 +67,11 @@ impl Flights {
             Some((of("mass_kg")?, of("diameter_m")?))
         };
         let sizes: Option<Vec<(f64, f64)>> = experiment.runs.iter().map(size).collect();
-        let named = named(&channels, gravity, sizes.is_some(), on_boom);
-        let listed = named.len();
+        let named = named(&data.channels, gravity, sizes.is_some(), on_boom);
         let viscous = sizes.as_deref().map(viscous_drag);
-        let causes = Causes::new(named.into_iter().chain(terms(channels.len(), viscous)));
+        let terms = terms(data.channels.len(), viscous);
+        let causes = Causes::of(&mut data, named, terms);
+        let (channels, logs) = (&data.channels, &data.logs);
         let is_height: Vec<bool> = channels.iter().map(|c| c.name == "y_m").collect();
         let is_drop =
             !on_boom && is_height == [true] && logs.iter().all(|log| !rises(log, &channels[0]));
@@ -90,10 +82,8 @@ impl Flights {
         let flat = vec![None; logs.len()];
         let mut flights = Flights {
             gravity,
-            channels,
-            logs,
+            data,
             causes,
-            listed,
             is_height,
             drag,
             boom: flat,
@@ -114,8 +104,8 @@ impl Flights {
             boom: boom.to_vec(),
             ..self.clone()
         };
-        let runs: Vec<usize> = (0..self.logs.len()).collect();
-        let readings: usize = self.logs.iter().map(|log| log.readings.len()).sum();
+        let runs: Vec<usize> = (0..self.data.logs.len()).collect();
+        let readings: usize = self.data.logs.iter().map(|log| log.readings.len()).sum();
         let noise = readings as f64 + 3.0 * (2.0 * readings as f64).sqrt();
         let [plane, arc] =
             [self, &round].map(|flights| fit::fit_none(flights, &runs).map(|f| f.loss));
@@ -126,7 +116,7 @@ impl Flights {
         }
         let left = |flights: &Flights| -> Option<Fit> {
             let mut model = fit::fit_none(flights, &runs)?;
-            for cause in (0..flights.listed).filter(|&c| flights.causes.effects[c] != Effect::Share)
+            for cause in (0..flights.data.listed).filter(|&c| flights.causes.0[c] != Effect::Share)
             {
                 model = fit::fit_with(flights, &model, cause, &runs)?;
             }
@@ -184,15 +174,11 @@ fn named(
     on_boom: bool,
 ) -> Vec<(Effect, Cause)> {
     let drag = if size_is_known {
-        ("drag_coefficient", (0.0, 50.0), 0.05, [0.3, 1.0])
+        amount("air-drag", "drag_coefficient", 50.0, 0.05, &[0.3, 1.0])
     } else {
-        ("drag_per_m", (0.0, 10.0), 1e-3, [0.01, 0.1])
+        amount("air-drag", "drag_per_m", 10.0, 1e-3, &[0.01, 0.1])
     };
-    let (name, bounds, scale, starts) = drag;
-    let mut all = vec![(
-        Effect::Drag,
-        simple("air-drag", name, 0.0, bounds, scale, &starts),
-    )];
+    let mut all = vec![(Effect::Drag, drag)];
     if on_boom {
         // Less effective gravity and more inertia: both at once are one ratio.
         let (bounds, starts) = ((0.02, 2.0), [0.5]);
@@ -201,25 +187,18 @@ fn named(
     }
     let known = if on_boom { ON_A_RIG } else { IN_THE_OPEN };
     let starts = [0.5 * gravity];
-    let of_gravity = simple(
-        "gravity",
-        "gravity_m_s2",
-        gravity,
-        (0.1, 40.0),
-        0.05,
-        &starts,
-    );
+    let name = "gravity_m_s2";
+    let of_gravity = simple("gravity", name, gravity, (0.1, 40.0), 0.05, &starts);
     let (error, why) = known.gravity;
     all.push((Effect::Gravity, of_gravity.usual(error, why)));
     for (k, Channel { name, .. }) in channels.iter().enumerate() {
         let (bounds, starts) = ((0.2, 5.0), [0.9, 1.1]);
-        let scale = sensor("encoder-scale", name, "gain", 1.0, bounds, 0.01, &starts);
+        let scale = simple("encoder-scale", "gain", 1.0, bounds, 0.01, &starts).of_column(name);
         let (error, why) = known.scale;
         all.push((Effect::Scale(k), scale.usual(error, why)));
         if channels.len() > 1 {
-            let bounds = (0.0, 0.5);
-            let delay = sensor("sensor-delay", name, "delay_s", 0.0, bounds, 1e-3, &[0.01]);
-            all.push((Effect::Delay(k), delay));
+            let delay = amount("sensor-delay", "delay_s", 0.5, 1e-3, &[0.01]);
+            all.push((Effect::Delay(k), delay.of_column(name)));
         }
     }
     all
@@ -236,43 +215,30 @@ fn terms(channels: usize, viscous: Option<f64>) -> Vec<(Effect, Cause)> {
     }
     let mut all = vec![(Effect::Linear, linear)];
     if channels > 1 {
-        all.extend([
-            (
-                Effect::Lift,
-                term("acceleration across the path, c v", "c_per_s", 1e-3),
-            ),
-            (
-                Effect::Turning,
-                term("acceleration along x, -c v_x", "c_per_s", 1e-2),
-            ),
-            (
-                Effect::Wind,
-                term("constant acceleration along x", "c_m_s2", 0.02),
-            ),
-        ]);
+        all.extend(causes! {
+            Effect::Lift => term("acceleration across the path, c v", "c_per_s", 1e-3);
+            Effect::Turning => term("acceleration along x, -c v_x", "c_per_s", 1e-2);
+            Effect::Wind => term("constant acceleration along x", "c_m_s2", 0.02);
+        });
     }
     all
 }
 
 impl Kind for Flights {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// Where and how fast it starts; of a drop when, as the first rows may precede the release.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         let (first, last) = (
             readings.first().map_or(0.0, |r| r.time),
             readings.last().map_or(0.0, |r| r.time),
         );
         let mut all = Vec::new();
         for (channel, &is_height) in self.is_height.iter().enumerate() {
-            let here: Vec<_> = readings.iter().filter(|r| r.channel == channel).collect();
+            let here: Vec<_> = self.data.logs[run].of(channel).collect();
             let start = here.first().map_or(0.0, |r| r.value);
             // From the first tenth of the flight.
             let later = here.get((here.len() / 10).max(1)).or(here.last());
@@ -298,16 +264,8 @@ impl Kind for Flights {
         all
     }
 
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
-    }
-
     fn stronger(&self) -> String {
         "longer and faster flights".into()
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
     }
 
     /// Free falls, without the boom and with a body of another weight, and flights that are timed
@@ -330,16 +288,21 @@ impl Kind for Flights {
                 kind: Sort::Flight,
                 mechanism: None,
                 columns: vec!["y_m".into()],
-                noise: vec![self.channels.last().map(|c| c.noise)],
+                noise: vec![self.data.channels.last().map(|c| c.noise)],
                 resolution: vec![None],
                 runs: vec![run],
             };
             let mut kind = Flights::new(&experiment, self.gravity);
             // Its height is measured with a ruler, and it weighs so much that air does not matter.
             let gravity = |c: &Cause| c.id == "gravity";
-            let of_gravity = kind.causes.list.into_iter().find(gravity);
-            kind.causes = Causes::new(of_gravity.map(|cause| (Effect::Gravity, cause)));
-            kind.listed = 1;
+            let of_gravity = kind
+                .data
+                .causes
+                .iter()
+                .find(|cause| gravity(cause))
+                .cloned();
+            let listed = of_gravity.map(|cause| (Effect::Gravity, cause));
+            kind.causes = Causes::of(&mut kind.data, listed.into_iter().collect(), Vec::new());
             let what = format!(
                 "drop a heavy, small body by {height} m, free of the boom, its height measured by \
                  a ruler"
@@ -353,7 +316,7 @@ impl Kind for Flights {
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         let (release, place, speed) = self.released(run, unknowns)?;
         let share = self.causes.or(Effect::Share, 1.0, terms);
         let motion = Motion {
@@ -394,7 +357,7 @@ impl Flights {
         let release = if self.is_drop {
             unknowns[1]
         } else {
-            self.logs[run].readings.first()?.time
+            self.data.logs[run].readings.first()?.time
         };
         let (mut place, mut speed) = ([0.0; 2], [0.0; 2]);
         for (channel, &is_height) in self.is_height.iter().enumerate() {
@@ -638,7 +601,7 @@ mod tests {
         closed: impl Fn(usize, f64) -> f64,
     ) {
         let found = flights.predict(0, &toy::terms(flights, on), unknowns);
-        for (reading, x) in flights.logs[0]
+        for (reading, x) in flights.data.logs[0]
             .readings
             .iter()
             .zip(found.expect("an answer"))

@@ -1,12 +1,11 @@
 //! The robot at rest, upright on one leg, fired once.
 
-use super::Firings;
+use super::robot;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{HEIGHT, PIVOT, SUPPLY as SUPPLIED};
 use crate::spec::{
-    LEAP, LOGGED, Problem, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required,
-    without,
+    LEAP, LOGGED, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required, without,
 };
 
 /// Step (rad) of the encoders of the boom.
@@ -28,12 +27,7 @@ pub(super) const SPEC: Spec = Spec {
     checks: &[SUPPLIED, PIVOT, HEIGHT],
     // Nothing pivots before the command.
     phase: |phase| if phase == "pivot" { "at rest" } else { phase },
-    model: |data, robot| {
-        Ok(Box::new(Firings::new(
-            data,
-            robot.ok_or(Problem::NoRobot)?,
-        )?))
-    },
+    model: robot::model,
     synthesis: Synthesis {
         instruments: &[counting("pivot_angle_rad", BOOM_COUNT)],
         runs: 12,

@@ -1,13 +1,13 @@
 //! From just after touch-down of the jumping leg, through the flight.
 
-use super::Firings;
 use super::hop::BOOM_COUNT;
+use super::robot;
 use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{Check, HEIGHT, PIVOT, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
-    LEAP, LOGGED, Problem, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting,
-    lively, noisy, required, without,
+    LEAP, LOGGED, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting, lively,
+    noisy, required, without,
 };
 
 /// Step (rad) of the encoder of the wheel.
@@ -42,12 +42,7 @@ pub(super) const SPEC: Spec = Spec {
             units: RATES,
         },
     ],
-    model: |data, robot| {
-        Ok(Box::new(Firings::new(
-            data,
-            robot.ok_or(Problem::NoRobot)?,
-        )?))
-    },
+    model: robot::model,
     synthesis: Synthesis {
         instruments: &[
             counting("wheel_angle_rad", WHEEL_COUNT),

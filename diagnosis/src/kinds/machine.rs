@@ -16,10 +16,9 @@ use saltus_sim_check::chain::MOST;
 use super::input::Input;
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
-use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows, Way};
-use crate::noise;
+use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows};
 use crate::spec::{
     Column, Domain, FORCE, LEAP_ON, PART, Problem, Source, Spec, Synthesis, TURN_ON, calm, noisy,
     without,
@@ -71,8 +70,7 @@ pub(super) const SPEC: Spec = Spec {
 /// Motions of a machine, or of a machine that is now one mechanism, now another.
 #[derive(Clone, Debug)]
 pub struct Motions {
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     /// Which mechanism each run is of, and which runs belong together.
     runs: Vec<Piece>,
     mechanisms: Vec<Mechanism>,
@@ -80,11 +78,8 @@ pub struct Motions {
     inputs: Vec<Vec<Input>>,
     starts: Vec<Start>,
     causes: Causes<Effect>,
-    common: usize,
-    listed: usize,
     /// Longest step (s) of the integration.
     step: f64,
-    notes: Vec<String>,
 }
 
 /// What a run is of.
@@ -121,7 +116,7 @@ fn of(experiment: &Experiment) -> Result<Motions, Problem> {
         .map(String::as_str)
         .collect();
     if !unused.is_empty() {
-        motions.notes.push(format!(
+        motions.data.notes.push(format!(
             "{}: {} not named there, and not used",
             motions.mechanisms[0].name,
             unused.join(", ")
@@ -142,7 +137,7 @@ impl Motions {
     ) -> Result<Motions, Problem> {
         let first = &mechanisms[0];
         let column = |name: &str| {
-            let found = experiment.columns.iter().position(|c| c == name);
+            let found = experiment.column(name);
             found.ok_or_else(|| Problem::NoMachine {
                 what: format!(
                     "column {name} is missing or empty in the runs: {} names it",
@@ -163,18 +158,14 @@ impl Motions {
         for mechanism in &mechanisms {
             plant::check(mechanism)?;
         }
-        let logs: Vec<Log> = experiment
-            .runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &gauges))
-            .collect();
-        let channels = noise::channels(experiment, &gauges);
+        let mut data = Data::of(experiment, &gauges);
+        let (channels, logs) = (&data.channels, &data.logs);
         let input = |run: &Run| drives.iter().map(|k| Input::of(run, Some(*k))).collect();
         let inputs: Vec<Vec<Input>> = experiment.runs.iter().map(input).collect();
         let starts: Vec<Start> = logs
             .iter()
             .zip(&runs)
-            .map(|(log, piece)| Start::of(&mechanisms[piece.mechanism], log, &channels))
+            .map(|(log, piece)| Start::of(&mechanisms[piece.mechanism], log, channels))
             .collect();
         let most = |k: usize| {
             let of = |all: &Vec<Input>| all[k].values.iter().map(|x| x.abs()).fold(0.0, f64::max);
@@ -182,40 +173,35 @@ impl Motions {
         };
         let driven: Vec<f64> = (0..drives.len()).map(most).collect();
         let sizes = Sizes::of(first, &driven);
-        let likely = start::likely(&mechanisms, &runs, &logs, &inputs, &starts, &sizes);
-        let all = causes::of(first, &sizes, &channels, &likely);
-        let common = all.common.len();
-        let listed = common + all.named.len();
+        let likely = start::likely(&mechanisms, &runs, logs, &inputs, &starts, &sizes);
+        let step = plant::longest_step(&mechanisms, &starts, &runs, (&likely, logs));
+        let all = causes::of(first, &sizes, channels, &likely);
+        data.common = all.common.len();
+        let listed = all.common.into_iter().chain(all.named).collect();
+        data.notes = vec![
+            "where each run starts is estimated from that run, of runs left out as well".into(),
+        ];
         Ok(Motions {
-            step: plant::longest_step(&mechanisms, &starts, &runs, (&likely, &logs)),
-            channels,
-            logs,
+            causes: Causes::of(&mut data, listed, all.terms),
+            data,
             runs,
             inputs,
             starts,
-            causes: Causes::new(all.common.into_iter().chain(all.named).chain(all.terms)),
-            common,
-            listed,
-            notes: vec![
-                "where each run starts is estimated from that run, of runs left out as well".into(),
-            ],
+            step,
             mechanisms,
         })
     }
 
     /// With other notes.
-    pub(super) fn noting(self, notes: Vec<String>) -> Motions {
-        Motions { notes, ..self }
+    pub(super) fn noting(mut self, notes: Vec<String>) -> Motions {
+        self.data.notes = notes;
+        self
     }
 }
 
 impl Kind for Motions {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// Every coordinate at the start, as its sensor says where it has one, and its rate.
@@ -234,19 +220,6 @@ impl Kind for Motions {
             all.push(unknown(&name, start.v[k], start.rates[k], 1e-2));
         }
         all
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
-    }
-
-    /// Moments of inertia that nobody knows.
-    fn common(&self) -> usize {
-        self.common
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
     }
 
     fn group(&self, run: usize) -> usize {
@@ -269,10 +242,10 @@ impl Kind for Motions {
                 v[k] /= scale;
             }
         }
-        let log = &self.logs[run];
+        let log = &self.data.logs[run];
         let course = plant.run((&q, &v), log, &self.inputs[run], self.step)?;
         let mut out = vec![0.0; log.readings.len()];
-        for channel in 0..self.channels.len() {
+        for channel in 0..self.data.channels.len() {
             let value = |effect, none| self.causes.or(effect, none, terms);
             let scale = value(Effect::Scale(channel), 1.0);
             let offset = value(Effect::Offset(channel), 0.0);
@@ -296,10 +269,6 @@ impl Kind for Motions {
 
     fn stronger(&self) -> String {
         "longer runs, some of them with larger and faster motions".into()
-    }
-
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
     }
 }
 
@@ -348,15 +317,7 @@ fn two_links(draw: &mut Draw) -> Mechanism {
         let inertia = round(draw.between(0.2, 0.5) * mass * center * center);
         Link {
             name: name.into(),
-            joint: Joint {
-                name: name.into(),
-                parent,
-                way: Way::Turns { back: false },
-                at,
-                angle: 0.0,
-                friction: 0.0,
-                damping: 0.0,
-            },
+            joint: Joint::turning(name, parent, at),
             mass,
             center: [0.0, -center],
             inertia: Inertia::Center(inertia),

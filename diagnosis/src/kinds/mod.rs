@@ -30,7 +30,7 @@ pub use vessel::Vessels;
 use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Sort};
-use crate::kind::{Cause, Kind, Parameter, Terms};
+use crate::kind::{Cause, Data, Kind, Parameter, Terms};
 pub use crate::spec::Problem;
 use crate::spec::Spec;
 
@@ -82,22 +82,22 @@ pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn K
     (experiment.kind.spec().model)(experiment, robot)
 }
 
-/// Causes, each with the effect that it has in the model of its kind.
+/// What each cause of an experiment does in the model of its kind.
 #[derive(Clone, Debug)]
-struct Causes<E> {
-    effects: Vec<E>,
-    list: Vec<Cause>,
-}
+struct Causes<E>(Vec<E>);
 
 impl<E: Copy + PartialEq> Causes<E> {
-    fn new(all: impl IntoIterator<Item = (E, Cause)>) -> Causes<E> {
-        let (effects, list) = all.into_iter().unzip();
-        Causes { effects, list }
+    /// Puts causes, the listed ones and the terms without a name, into `data`.
+    fn of(data: &mut Data, listed: Vec<(E, Cause)>, terms: Vec<(E, Cause)>) -> Causes<E> {
+        data.listed = listed.len();
+        let (effects, causes) = listed.into_iter().chain(terms).unzip();
+        data.causes = causes;
+        Causes(effects)
     }
 
     /// Parameter `p` of an effect; none where the experiment has no such cause.
     fn get(&self, effect: E, p: usize, terms: &Terms) -> Option<f64> {
-        let cause = self.effects.iter().position(|own| *own == effect)?;
+        let cause = self.0.iter().position(|own| *own == effect)?;
         Some(terms.get(cause, p))
     }
 
@@ -106,6 +106,12 @@ impl<E: Copy + PartialEq> Causes<E> {
         self.get(effect, 0, terms).unwrap_or(none)
     }
 }
+
+/// A table of causes: a row for each, of what it does and what it is.
+macro_rules! causes {
+    ($($effect:expr => $cause:expr;)+) => { vec![$(($effect, $cause)),+] };
+}
+use causes;
 
 /// A cause with one parameter.
 fn simple(
@@ -116,45 +122,55 @@ fn simple(
     scale: f64,
     starts: &[f64],
 ) -> Cause {
-    Cause::one(
-        id,
-        Parameter {
-            name: name.into(),
-            neutral,
-            bounds,
-            scale,
-            starts: starts.to_vec(),
-        },
-    )
+    Cause::one(id, unknown(name, neutral, bounds, scale).starting(starts))
 }
 
-/// The error of a column.
-fn sensor(
-    id: &'static str,
-    column: &str,
-    name: &str,
-    neutral: f64,
-    bounds: (f64, f64),
-    scale: f64,
-    starts: &[f64],
-) -> Cause {
-    let mut cause = simple(id, name, neutral, bounds, scale, starts);
-    cause.column = Some(column.into());
-    if id == "encoder-scale" {
-        cause = cause.usual(0.05, "sensors are calibrated");
-    }
-    cause
+/// A cause with one parameter that is 0 where it is off, and is at most `most`.
+fn amount(id: &'static str, name: &str, most: f64, scale: f64, starts: &[f64]) -> Cause {
+    simple(id, name, 0.0, (0.0, most), scale, starts)
+}
+
+/// A cause that multiplies a number of the machine.
+fn share(id: &'static str, name: &str, scale: f64) -> Cause {
+    simple(id, name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25])
+}
+
+/// A column that is off by a number of this unit.
+fn offset(column: &str, unit: &str, bounds: (f64, f64), scale: f64) -> Cause {
+    let name = format!("offset_{unit}");
+    simple("sensor-offset", &name, 0.0, bounds, scale, &[]).of_column(column)
+}
+
+/// A column that reads too much or too little in proportion.
+fn gain(column: &str) -> Cause {
+    let gain = simple("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01, &[]);
+    gain.of_column(column).usual(0.05, "sensors are calibrated")
+}
+
+/// A column that is late, by `most` (s) at most.
+fn delay(column: &str, most: f64, scale: f64) -> Cause {
+    amount("sensor-delay", "delay_s", most, scale, &[]).of_column(column)
 }
 
 /// An unknown of a run, free but for `bounds`.
 fn unknown(name: &str, neutral: f64, bounds: (f64, f64), scale: f64) -> Parameter {
-    Parameter {
-        name: name.into(),
-        neutral,
-        bounds,
-        scale,
-        starts: Vec::new(),
-    }
+    Parameter::new(name, neutral, bounds, scale)
+}
+
+/// The rate after a step of h (s) of what has this inertia (kg or kg m²): the middle of the step
+/// gives the force or torque `push`, and dry friction takes the rate that remains and no more.
+/// `brakes` are the coefficients of dry and viscous friction and of drag.
+fn braked(rate: f64, push: f64, [dry, viscous, drag]: [f64; 3], inertia: f64, h: f64) -> f64 {
+    // What brakes in proportion to the rate does so without end, and never turns it round.
+    let brake = h * (viscous + drag * rate.abs()) / inertia;
+    let left = (-brake).exp();
+    let mean = if brake > 1e-6 {
+        (1.0 - left) / brake
+    } else {
+        1.0
+    };
+    let free = left * rate + mean * h * push / inertia;
+    free.signum() * (free.abs() - h * dry / inertia).max(0.0)
 }
 
 /// Any number.

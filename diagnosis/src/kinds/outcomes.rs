@@ -2,12 +2,10 @@
 
 use saltus_numeric::statistics::quantile;
 
-use super::Firings;
+use super::robot;
 use crate::experiment::Sort;
 use crate::plausible::{Check, JUMPS, RATES};
-use crate::spec::{
-    LEAP, OPENING, PART, Problem, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy,
-};
+use crate::spec::{LEAP, OPENING, PART, RATE, Source, Spec, Synthesis, TILT, asked, lively, noisy};
 
 /// The kind.
 pub(super) const SPEC: Spec = Spec {
@@ -68,12 +66,7 @@ pub(super) const SPEC: Spec = Spec {
             units: JUMPS,
         },
     ],
-    model: |data, robot| {
-        Ok(Box::new(Firings::new(
-            data,
-            robot.ok_or(Problem::NoRobot)?,
-        )?))
-    },
+    model: robot::model,
     synthesis: Synthesis {
         instruments: &[
             noisy("omega_rad_s", 0.0),

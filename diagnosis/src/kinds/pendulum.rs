@@ -9,11 +9,10 @@ use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
 use super::input::Input;
-use super::{Causes, FREE, sensor, simple, unknown};
+use super::{Causes, FREE, braked, causes, delay, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
-use crate::noise;
 use crate::spec::{
     Domain, LOAD, PART, Problem, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy,
     optional, required, without,
@@ -152,12 +151,10 @@ enum Effect {
 /// Pendulums.
 #[derive(Clone, Debug)]
 pub struct Pendulums {
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     bodies: Vec<Body>,
     torques: Vec<Input>,
     causes: Causes<Effect>,
-    listed: usize,
 }
 
 /// Turn (rad) of the swing's phase in a step at most: the phase of a whole step is off by its cube
@@ -172,8 +169,8 @@ impl Pendulums {
     /// # Errors
     /// [`Problem::NoRobot`] where neither the data nor a robot say what swings.
     pub fn new(experiment: &Experiment, robot: Option<&Robot>) -> Result<Pendulums, Problem> {
-        let column = |name: &str| experiment.columns.iter().position(|c| c == name);
-        let (angle, torque) = (column("angle_rad").unwrap_or(0), column("torque_nm"));
+        let angle = experiment.column("angle_rad").unwrap_or(0);
+        let torque = experiment.column("torque_nm");
         let runs = &experiment.runs;
         let bodies: Vec<Body> = runs
             .iter()
@@ -182,24 +179,18 @@ impl Pendulums {
         let torques: Vec<Input> = runs.iter().map(|run| Input::of(run, torque)).collect();
         let is_driven = torques.iter().any(|t| t.values.iter().any(|x| *x != 0.0));
         let mut named = named(&bodies[0], is_driven);
-        let logs: Vec<Log> = runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &[angle]))
-            .collect();
+        let mut data = Data::of(experiment, &[angle]);
         if bodies[0].inertia.is_none() {
-            let of = |run: usize| likely_inertia(&logs[run], &torques[run], &bodies[run]);
-            let mut likely: Vec<f64> = (0..logs.len()).filter_map(of).collect();
+            let of = |run: usize| likely_inertia(&data.logs[run], &torques[run], &bodies[run]);
+            let mut likely: Vec<f64> = (0..runs.len()).filter_map(of).collect();
             named.insert(0, about_axis(&bodies[0], &mut likely));
+            data.common = 1;
         }
-        let listed = named.len();
-        let causes = Causes::new(named.into_iter().chain(terms(&bodies[0])));
         Ok(Pendulums {
-            channels: noise::channels(experiment, &[angle]),
-            logs,
+            causes: Causes::of(&mut data, named, terms(&bodies[0])),
+            data,
             bodies,
             torques,
-            causes,
-            listed,
         })
     }
 
@@ -288,47 +279,23 @@ fn about_axis(body: &Body, likely: &mut [f64]) -> (Effect, Cause) {
 fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
     let mut all = of_mass(body, is_driven);
     all.extend(of_friction(body));
-    let angle =
-        |id, name, none, bounds, scale| sensor(id, "angle_rad", name, none, bounds, scale, &[]);
-    let torque =
-        |id, name, none, bounds, scale| sensor(id, "torque_nm", name, none, bounds, scale, &[]);
-    let (gains, delays) = ((0.2, 5.0), (0.0, 0.5));
-    all.extend([
-        (
-            Effect::AngleOffset,
-            angle("sensor-offset", "offset_rad", 0.0, (-1.0, 1.0), 1e-3),
-        ),
-        (
-            Effect::AngleScale,
-            angle("encoder-scale", "gain", 1.0, gains, 0.01),
-        ),
-    ]);
+    all.extend(causes! {
+        Effect::AngleOffset => offset("angle_rad", "rad", (-1.0, 1.0), 1e-3);
+        Effect::AngleScale => gain("angle_rad");
+    });
     if is_driven {
-        all.extend([
-            (
-                Effect::AngleDelay,
-                angle("sensor-delay", "delay_s", 0.0, delays, 1e-3),
-            ),
-            (
-                Effect::TorqueOffset,
-                torque("sensor-offset", "offset_nm", 0.0, FREE, 1e-3 * body.size()),
-            ),
-            (
-                Effect::TorqueScale,
-                torque("encoder-scale", "gain", 1.0, gains, 0.01),
-            ),
-            (
-                Effect::TorqueDelay,
-                torque("sensor-delay", "delay_s", 0.0, delays, 1e-3),
-            ),
-        ]);
+        all.extend(causes! {
+            Effect::AngleDelay => delay("angle_rad", 0.5, 1e-3);
+            Effect::TorqueOffset => offset("torque_nm", "nm", FREE, 1e-3 * body.size());
+            Effect::TorqueScale => gain("torque_nm");
+            Effect::TorqueDelay => delay("torque_nm", 0.5, 1e-3);
+        });
     }
     all
 }
 
 /// Causes that are masses and where they are.
 fn of_mass(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
-    let share = |id, name, scale| simple(id, name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25]);
     let mut all = Vec::new();
     if body.inertia.is_some() {
         all.push((Effect::Inertia, share("inertia", "inertia_share", 0.01)));
@@ -345,7 +312,7 @@ fn of_mass(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
 }
 
 /// Causes that brake.
-fn of_friction(body: &Body) -> [(Effect, Cause); 3] {
+fn of_friction(body: &Body) -> Vec<(Effect, Cause)> {
     let size = body.size();
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
@@ -353,45 +320,22 @@ fn of_friction(body: &Body) -> [(Effect, Cause); 3] {
         let (bounds, scale) = ((0.0, 10.0 * size / unit), 0.01 * size / unit);
         simple(id, name, 0.0, bounds, scale, &starts)
     };
-    [
-        (
-            Effect::Dry,
-            friction("coulomb-friction", "coulomb_friction_n_m", 1.0),
-        ),
-        (
-            Effect::Viscous,
-            friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate),
-        ),
-        (
-            Effect::Drag,
-            friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate),
-        ),
-    ]
+    causes! {
+        Effect::Dry => friction("coulomb-friction", "coulomb_friction_n_m", 1.0);
+        Effect::Viscous => friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate);
+        Effect::Drag => friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate);
+    }
 }
 
 /// Terms without a name.
-fn terms(body: &Body) -> [(Effect, Cause); 2] {
+fn terms(body: &Body) -> Vec<(Effect, Cause)> {
     let size = body.size();
-    let term = |id, name| {
-        simple(
-            id,
-            name,
-            0.0,
-            (-100.0 * size, 100.0 * size),
-            1e-3 * size,
-            &[],
-        )
-    };
-    [
-        (
-            Effect::Spring,
-            term("torque about the axis, -c theta", "c_n_m_per_rad"),
-        ),
-        (
-            Effect::Second,
-            term("torque about the axis, -c sin(2 theta)", "c_n_m"),
-        ),
-    ]
+    let bounds = (-100.0 * size, 100.0 * size);
+    let term = |id, name| simple(id, name, 0.0, bounds, 1e-3 * size, &[]);
+    causes! {
+        Effect::Spring => term("torque about the axis, -c theta", "c_n_m_per_rad");
+        Effect::Second => term("torque about the axis, -c sin(2 theta)", "c_n_m");
+    }
 }
 
 /// The motion: J θ̈ = τ − M sin θ − k θ − c sin 2θ − T sgn θ̇ − b θ̇ − d |θ̇| θ̇.
@@ -419,43 +363,30 @@ impl Swing {
         (STEP * (self.inertia / stiffness).sqrt()).min(LONGEST)
     }
 
-    /// One step of h (s) under a torque (N m): the middle of the step tells the torques, and dry
-    /// friction takes what is left of the rate and no more.
+    /// One step of h (s) under a torque (N m): the middle of the step gives the torques.
     fn go(&self, [angle, rate]: [f64; 2], torque: f64, h: f64) -> [f64; 2] {
         let middle = angle + 0.5 * h * rate;
         let back =
             self.moment * middle.sin() + self.spring * middle + self.second * (2.0 * middle).sin();
-        // What brakes in proportion to the rate does so without end, and never turns it round.
-        let brake = h * (self.viscous + self.drag * rate.abs()) / self.inertia;
-        let left = (-brake).exp();
-        let mean = if brake > 1e-6 {
-            (1.0 - left) / brake
-        } else {
-            1.0
-        };
-        let free = left * rate + mean * h * (torque - back) / self.inertia;
-        let next = free.signum() * (free.abs() - h * self.dry / self.inertia).max(0.0);
+        let friction = [self.dry, self.viscous, self.drag];
+        let next = braked(rate, torque - back, friction, self.inertia, h);
         [angle + 0.5 * h * (rate + next), next]
     }
 }
 
 impl Kind for Pendulums {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// Where it starts, as its sensor says, and how fast: at rest where it stays at its first angle
     /// for a while.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         let Some(first) = readings.first() else {
             return Vec::new();
         };
-        let channel = &self.channels[0];
+        let channel = &self.data.channels[0];
         let doubt = 5.0 * channel.noise.max(channel.step);
         let at = (first.value - doubt, first.value + doubt);
         let moves = readings
@@ -473,19 +404,6 @@ impl Kind for Pendulums {
             unknown("start_rad", first.value, at, 1e-3),
             unknown("start_rate_rad_s", rate, bounds, 0.01),
         ]
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
-    }
-
-    /// Its inertia about the axis, where nobody knows it.
-    fn common(&self) -> usize {
-        usize::from(self.causes.effects.first() == Some(&Effect::AboutAxis))
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
     }
 
     fn stronger(&self) -> String {
@@ -507,7 +425,7 @@ impl Kind for Pendulums {
             value(Effect::TorqueScale, 1.0),
             value(Effect::TorqueOffset, 0.0),
         );
-        let (readings, torque) = (&self.logs[run].readings, &self.torques[run]);
+        let (readings, torque) = (&self.data.logs[run].readings, &self.torques[run]);
         let (mut now, mut at) = (readings.first()?.time, 0);
         let mut state = [(unknowns[0] - offset) / scale, unknowns[1]];
         let longest = swing.step();

@@ -12,7 +12,7 @@ use terms::{Effect, Sensor};
 use super::unknown;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::Proposal;
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Data, Kind, Log, Parameter, Terms};
 use crate::noise;
 use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
 use crate::spec::Problem;
@@ -22,13 +22,9 @@ use crate::spec::Problem;
 pub struct Firings {
     sort: Sort,
     robot: Robot,
-    channels: Vec<Channel>,
+    pub(super) data: Data,
     columns: Vec<Column>,
-    logs: Vec<Log>,
     runs: Vec<Setting>,
-    causes: Vec<Cause>,
-    /// How many of them have an id.
-    listed: usize,
     effects: Vec<Effect>,
     /// Whether the radius angle, or the travel, is 0 where the axle starts, and not where the foot
     /// stands.
@@ -110,7 +106,6 @@ impl Firings {
                 column: column.clone(),
             });
         }
-        let asked = |name: &str| experiment.columns.iter().position(|c| c == name);
         let measured: Vec<(usize, Column)> = experiment
             .columns
             .iter()
@@ -119,8 +114,8 @@ impl Firings {
             .collect();
         let columns: Vec<Column> = measured.iter().map(|m| m.1).collect();
         let indices: Vec<usize> = measured.iter().map(|m| m.0).collect();
-        let channels = noise::channels(experiment, &indices);
-        let requests = ["omega_rad_s", "alpha_f_rad", "valve_open_s"].map(asked);
+        let requests =
+            ["omega_rad_s", "alpha_f_rad", "valve_open_s"].map(|name| experiment.column(name));
         let runs: Vec<Run> = match experiment.kind {
             Sort::Outcomes => experiment.runs.iter().flat_map(parts).collect(),
             _ => experiment.runs.clone(),
@@ -129,21 +124,20 @@ impl Firings {
             .into_iter()
             .map(|run| from_start(run, experiment.kind))
             .collect();
-        let logs: Vec<Log> = runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &indices))
-            .collect();
+        let log = |run| noise::log(experiment, run, &indices);
+        let mut data = Data {
+            channels: noise::channels(experiment, &indices),
+            logs: runs.iter().map(log).collect(),
+            ..Data::default()
+        };
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
-        let (causes, effects, listed) = terms::causes(experiment.kind, robot, &columns, &channels);
+        let effects = terms::causes(&mut data, experiment.kind, robot, &columns);
         let mut firings = Firings {
             sort: experiment.kind,
             robot: robot.clone(),
-            channels,
+            data,
             columns,
-            logs,
             runs,
-            causes,
-            listed,
             effects,
             from_axle: false,
             aloft: None,
@@ -173,12 +167,15 @@ impl Firings {
             _ => false,
         };
         let is_there: Vec<bool> = firings.effects.iter().map(|e| !is_none(e)).collect();
-        let listed = is_there[..firings.listed].iter().filter(|is| **is).count();
+        let data = &mut firings.data;
+        data.listed = is_there[..data.listed].iter().filter(|is| **is).count();
         let mut keep = is_there.iter();
         firings.effects.retain(|_| *keep.next().unwrap_or(&true));
         let mut keep = is_there.iter();
-        firings.causes.retain(|_| *keep.next().unwrap_or(&true));
-        firings.listed = listed;
+        firings
+            .data
+            .causes
+            .retain(|_| *keep.next().unwrap_or(&true));
         Ok(firings)
     }
 
@@ -200,16 +197,10 @@ impl Firings {
             return false;
         };
         let first = |log: &Log, channel: usize| {
-            let mut values: Vec<f64> = log
-                .readings
-                .iter()
-                .filter(|r| r.channel == channel)
-                .take(5)
-                .map(|r| r.value)
-                .collect();
-            median(&mut values)
+            let first = log.of(channel).take(5);
+            median(&mut first.map(|r| r.value).collect::<Vec<f64>>())
         };
-        let votes = self.logs.iter().map(|log| {
+        let votes = self.data.logs.iter().map(|log| {
             let (turn, lean) = (first(log, turn), first(log, lean));
             let foot_at_0 = self.robot.body.radius * lean.sin() / arm;
             if turn.abs() < (turn - foot_at_0).abs() {
@@ -240,7 +231,7 @@ impl Firings {
     }
 
     fn switch_on(&self, robot: &mut Robot, load: &mut f64, terms: &Terms) {
-        for (k, (effect, cause)) in self.effects.iter().zip(&self.causes).enumerate() {
+        for (k, (effect, cause)) in self.effects.iter().zip(&self.data.causes).enumerate() {
             let values = terms.of(k);
             if values
                 .iter()
@@ -262,7 +253,7 @@ impl Firings {
     /// The terms that no listed cause has.
     fn extra(&self, terms: &Terms) -> Extra {
         let mut extra = Extra::default();
-        for (k, effect) in self.effects.iter().enumerate().skip(self.listed) {
+        for (k, effect) in self.effects.iter().enumerate().skip(self.data.listed) {
             if let Effect::Extra(set) = effect {
                 set(&mut extra, terms.get(k, 0));
             }
@@ -273,7 +264,7 @@ impl Firings {
     fn course(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Course> {
         let setting = &self.runs[run];
         let (robot, load) = self.at_work(run, terms);
-        let end = self.logs[run].readings.last()?.time;
+        let end = self.data.logs[run].readings.last()?.time;
         let extra = self.extra(terms);
         match self.sort {
             Sort::Bench => Rig::bench(&robot, load).with(extra).jump(
@@ -335,7 +326,7 @@ impl Firings {
 
     /// Gain, offset, delay and delay from a held first value of each channel.
     pub(super) fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
-        let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.channels.len()];
+        let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.data.channels.len()];
         for (k, effect) in self.effects.iter().enumerate() {
             if let Effect::Sensor(channel, what) = effect {
                 let value = terms.get(k, 0);
@@ -355,8 +346,8 @@ impl Firings {
         let rig = Rig::new(&robot).with(self.extra(terms));
         let sensors = self.sensors(terms);
         let mut last: Option<(f64, (f64, f64))> = None;
-        let mut out = Vec::with_capacity(self.logs[run].readings.len());
-        for reading in &self.logs[run].readings {
+        let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
+        for reading in &self.data.logs[run].readings {
             let outcome = match last {
                 Some((time, outcome)) if time == reading.time => outcome,
                 _ => {
@@ -379,6 +370,14 @@ impl Firings {
         }
         out
     }
+}
+
+/// The model of the kinds that are firings.
+pub(super) fn model(data: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn Kind>, Problem> {
+    Ok(Box::new(Firings::new(
+        data,
+        robot.ok_or(Problem::NoRobot)?,
+    )?))
 }
 
 /// Every tenth jump of a run of outcomes, from each of the first ten on: parts that can be left
@@ -443,12 +442,8 @@ fn setting(run: &Run, asked: &[Option<usize>; 3]) -> Setting {
 }
 
 impl Kind for Firings {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// Lean and rate of a jump at its start, and on which side the gyro of a tilted boom feels its
@@ -457,14 +452,10 @@ impl Kind for Firings {
         if self.sort != Sort::Jump {
             return Vec::new();
         }
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         let first = |column: Column| -> Option<(f64, f64)> {
             let channel = self.columns.iter().position(|c| *c == column)?;
-            let here: Vec<_> = readings
-                .iter()
-                .filter(|r| r.channel == channel)
-                .take(30)
-                .collect();
+            let here: Vec<_> = self.data.logs[run].of(channel).take(30).collect();
             let mut values: Vec<f64> = here.iter().take(5).map(|r| r.value).collect();
             let (a, b) = (here.first()?, here.last()?);
             let slope = (b.value - a.value) / (b.time - a.time).max(1e-3);
@@ -491,14 +482,6 @@ impl Kind for Firings {
         all
     }
 
-    fn causes(&self) -> &[Cause] {
-        &self.causes
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
-    }
-
     /// Joints, valves and contacts are never quite as they are modelled.
     fn trust(&self) -> f64 {
         0.4
@@ -506,7 +489,7 @@ impl Kind for Firings {
 
     /// All ground gives a little, that of simulators too.
     fn least_effect(&self, cause: usize) -> f64 {
-        if self.causes[cause].id == "ground-compliance" {
+        if self.data.causes[cause].id == "ground-compliance" {
             0.8
         } else {
             0.2
@@ -528,8 +511,8 @@ impl Kind for Firings {
         } else {
             0.0
         };
-        let mut places = vec![0; self.channels.len()];
-        let readings = &self.logs[run].readings;
+        let mut places = vec![0; self.data.channels.len()];
+        let readings = &self.data.logs[run].readings;
         let first = readings.first()?.time;
         Some(
             readings

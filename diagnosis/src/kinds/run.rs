@@ -19,7 +19,7 @@ use std::sync::Arc;
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
 use crate::fit::{self, DIFFERENCE, Fit, STEPS};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Terms};
+use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
@@ -143,7 +143,6 @@ pub struct Strides {
     /// Channel of the wheel's angle, and of the radius angle or the travel.
     wheel: Option<usize>,
     place: Option<usize>,
-    notes: Vec<String>,
 }
 
 impl Strides {
@@ -207,7 +206,8 @@ impl Strides {
         let guesses: Vec<Option<[f64; 5]>> = strides.iter().map(|stride| stride.guess).collect();
         let others = strides.iter().map(|stride| Arc::clone(&stride.others));
         let aloft = guesses.iter().map(Option::is_some).zip(others).collect();
-        let firings = Firings::of_strides(&cut.experiment(), aloft, robot)?;
+        let mut firings = Firings::of_strides(&cut.experiment(), aloft, robot)?;
+        firings.data.notes = cut.notes();
         let channel = |names: &[&str]| {
             firings
                 .channels()
@@ -221,7 +221,6 @@ impl Strides {
             bases: strides.iter().map(|stride| stride.base).collect(),
             guesses,
             found: strides.iter().map(|stride| stride.found.clone()).collect(),
-            notes: cut.notes(),
         })
     }
 
@@ -310,12 +309,12 @@ impl Strides {
 }
 
 impl Kind for Strides {
-    fn channels(&self) -> &[Channel] {
-        self.firings.channels()
+    fn data(&self) -> &Data {
+        self.firings.data()
     }
 
-    fn logs(&self) -> &[Log] {
-        self.firings.logs()
+    fn inner(&self) -> Option<&dyn Kind> {
+        Some(&self.firings)
     }
 
     /// Lean and rate of a stride that begins on its foot, and where that stands; of one that begins in
@@ -326,22 +325,6 @@ impl Kind for Strides {
             unknown.neutral = *found;
         }
         all
-    }
-
-    fn causes(&self) -> &[Cause] {
-        self.firings.causes()
-    }
-
-    fn listed(&self) -> usize {
-        self.firings.listed()
-    }
-
-    fn trust(&self) -> f64 {
-        self.firings.trust()
-    }
-
-    fn least_effect(&self, cause: usize) -> f64 {
-        self.firings.least_effect(cause)
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
@@ -361,23 +344,7 @@ impl Kind for Strides {
         Some(all)
     }
 
-    fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {
-        self.firings.phases(run, terms, unknowns)
-    }
-
-    fn robot(&self, terms: &Terms) -> Option<Robot> {
-        self.firings.robot(terms)
-    }
-
     fn stronger(&self) -> String {
         "runs at several speeds, valve opening times and supply pressures".into()
-    }
-
-    fn proposals(&self) -> Vec<Proposal> {
-        self.firings.proposals()
-    }
-
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
     }
 }

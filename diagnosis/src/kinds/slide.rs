@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use saltus_numeric::hermite;
 
-use super::{Causes, FREE, sensor, simple, unknown};
+use super::{Causes, FREE, amount, braked, causes, gain, offset, share, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::spec::{
@@ -27,8 +27,7 @@ struct Drive {
 /// Slides.
 #[derive(Clone, Debug)]
 pub struct Slides {
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     drives: Vec<Drive>,
     causes: Causes<Effect>,
     mass_is_known: bool,
@@ -42,34 +41,19 @@ const STEP: f64 = 1e-3;
 impl Slides {
     /// The experiment's slides.
     pub fn new(experiment: &Experiment) -> Slides {
-        let column = |name: &str| {
-            experiment
-                .columns
-                .iter()
-                .position(|c| c == name)
-                .unwrap_or(0)
-        };
+        let column = |name| experiment.column(name).unwrap_or(0);
         let (force, position) = (column("force_n"), column("position_m"));
-        let mut channels = noise::channels(experiment, &[position]);
+        let mut data = Data::of(experiment, &[position]);
         let of_force = noise::channels(experiment, &[force]).swap_remove(0);
-        channels[0].is_given &= of_force.is_given;
+        data.channels[0].is_given &= of_force.is_given;
         let force_noise = of_force.noise;
-        let logs = experiment
-            .runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &[position]))
-            .collect();
-        let drives: Vec<Drive> = experiment
-            .runs
-            .iter()
-            .map(|run| drive(run, force))
-            .collect();
+        let runs = experiment.runs.iter();
+        let drives: Vec<Drive> = runs.map(|run| drive(run, force)).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         Slides {
-            channels,
-            logs,
+            causes: Causes::of(&mut data, listed(mass_is_known), Vec::new()),
+            data,
             drives,
-            causes: Causes::new(causes(mass_is_known)),
             mass_is_known,
             force_noise,
         }
@@ -85,9 +69,11 @@ impl Slides {
         };
         Some(Guide {
             mass,
-            dry: self.causes.get(Effect::Dry, 0, terms)?,
-            viscous: self.causes.get(Effect::Viscous, 0, terms)?,
-            drag: self.causes.get(Effect::Drag, 0, terms)?,
+            friction: [
+                self.causes.get(Effect::Dry, 0, terms)?,
+                self.causes.get(Effect::Viscous, 0, terms)?,
+                self.causes.get(Effect::Drag, 0, terms)?,
+            ],
             stiffness: self.causes.get(Effect::Spring, 0, terms)?,
             preload: self.causes.get(Effect::Spring, 1, terms)?,
             start: *unknowns.first()?,
@@ -110,57 +96,28 @@ enum Effect {
     PositionScale,
 }
 
-fn causes(mass_is_known: bool) -> Vec<(Effect, Cause)> {
-    let delay = |column| {
-        sensor(
-            "sensor-delay",
-            column,
-            "delay_s",
-            0.0,
-            (0.0, 0.5),
-            1e-3,
-            &[0.01],
-        )
-    };
-    let scale = |column| sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]);
-    let friction = |id, name, most, starts: &[f64]| simple(id, name, 0.0, (0.0, most), 0.5, starts);
-    let spring = Cause::several(
-        "return-spring",
-        vec![
-            unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
-            unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
-        ],
-    );
-    let mut all = vec![
-        (
-            Effect::Dry,
-            friction("coulomb-friction", "coulomb_friction_n", 1e5, &[1.0, 5.0]),
-        ),
-        (
-            Effect::Viscous,
-            friction(
-                "viscous-friction",
-                "viscous_friction_n_s_per_m",
-                1e6,
-                &[1.0, 10.0],
-            ),
-        ),
-        (
-            Effect::Drag,
-            simple("air-drag", "drag_n_s2_per_m2", 0.0, (0.0, 1e5), 0.1, &[1.0]),
-        ),
-        (Effect::Spring, spring),
-        (
-            Effect::ForceOffset,
-            sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.1, &[]),
-        ),
-        (Effect::PositionDelay, delay("position_m")),
-        (Effect::ForceDelay, delay("force_n")),
-        (Effect::PositionScale, scale("position_m")),
+fn listed(mass_is_known: bool) -> Vec<(Effect, Cause)> {
+    let delay = |column| amount("sensor-delay", "delay_s", 0.5, 1e-3, &[0.01]).of_column(column);
+    let viscous = "viscous_friction_n_s_per_m";
+    let spring = vec![
+        unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
+        unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
     ];
+    let mut all = causes! {
+        Effect::Dry => amount("coulomb-friction", "coulomb_friction_n", 1e5, 0.5, &[1.0, 5.0]);
+        Effect::Viscous => amount("viscous-friction", viscous, 1e6, 0.5, &[1.0, 10.0]);
+        Effect::Drag => amount("air-drag", "drag_n_s2_per_m2", 1e5, 0.1, &[1.0]);
+        Effect::Spring => Cause::several("return-spring", spring);
+        Effect::ForceOffset => offset("force_n", "n", FREE, 0.1);
+        Effect::PositionDelay => delay("position_m");
+        Effect::ForceDelay => delay("force_n");
+        Effect::PositionScale => gain("position_m");
+    };
     if mass_is_known {
-        let mass = simple("mass", "mass_share", 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]);
-        all.extend([(Effect::ForceScale, scale("force_n")), (Effect::Mass, mass)]);
+        all.extend(causes! {
+            Effect::ForceScale => gain("force_n");
+            Effect::Mass => share("mass", "mass_share", 0.02);
+        });
     }
     all
 }
@@ -169,12 +126,8 @@ fn causes(mass_is_known: bool) -> Vec<(Effect, Cause)> {
 struct Guide {
     /// Mass (kg).
     mass: f64,
-    /// Dry friction (N).
-    dry: f64,
-    /// Viscous friction (N s/m).
-    viscous: f64,
-    /// Drag (N s²/m²).
-    drag: f64,
+    /// Dry friction (N), viscous friction (N s/m) and drag (N s²/m²).
+    friction: [f64; 3],
     /// Stiffness (N/m) of a spring and its force (N) at the start.
     stiffness: f64,
     preload: f64,
@@ -183,21 +136,11 @@ struct Guide {
 }
 
 impl Guide {
-    /// One step of h (s) under a force (N): the middle of the step tells the forces, and dry
-    /// friction takes what is left of the speed and no more.
+    /// One step of h (s) under a force (N): the middle of the step gives the forces.
     fn go(&self, [x, v]: [f64; 2], force: f64, h: f64) -> [f64; 2] {
         let middle = x + 0.5 * h * v;
         let push = force - self.stiffness * (middle - self.start) - self.preload;
-        // What brakes in proportion to the speed does so without end, and never turns it round.
-        let brake = h * (self.viscous + self.drag * v.abs()) / self.mass;
-        let left = (-brake).exp();
-        let mean = if brake > 1e-6 {
-            (1.0 - left) / brake
-        } else {
-            1.0
-        };
-        let free = left * v + mean * h * push / self.mass;
-        let next = free.signum() * (free.abs() - h * self.dry / self.mass).max(0.0);
+        let next = braked(v, push, self.friction, self.mass, h);
         [x + 0.5 * h * (v + next), next]
     }
 }
@@ -233,17 +176,13 @@ impl Drive {
 }
 
 impl Kind for Slides {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// Where and how fast it starts; its mass where nobody knows it.
     fn unknowns(&self, run: usize) -> Vec<Parameter> {
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         let start = readings.first().map_or(0.0, |r| r.value);
         let mut all = vec![
             unknown("start_m", start, FREE, 1e-3),
@@ -253,10 +192,6 @@ impl Kind for Slides {
             all.push(unknown("mass_kg", 1.0, (1e-4, 1e5), 0.1));
         }
         all
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
     }
 
     fn stronger(&self) -> String {
@@ -284,7 +219,7 @@ impl Kind for Slides {
             }
             x
         };
-        Some(self.logs[run].readings.iter().map(moved).collect())
+        Some(self.data.logs[run].readings.iter().map(moved).collect())
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
@@ -304,8 +239,8 @@ impl Kind for Slides {
         let (mut now, mut at) = (*drive.time.first()?, 0);
         // A stiff spring swings fast.
         let step = STEP.min(0.3 * (guide.mass / guide.stiffness).sqrt());
-        let mut out = Vec::with_capacity(self.logs[run].readings.len());
-        for reading in &self.logs[run].readings {
+        let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
+        for reading in &self.data.logs[run].readings {
             let until = reading.time - delay;
             while now < until {
                 let h = step.min(until - now);

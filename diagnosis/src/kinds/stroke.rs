@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use saltus_numeric::statistics::quantile;
 
-use super::{Causes, FREE, sensor, simple, unknown};
+use super::{Causes, FREE, amount, causes, gain, offset, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::plausible::{Check, FORCES};
@@ -30,8 +30,7 @@ struct Drive {
 /// Strokes.
 #[derive(Clone, Debug)]
 pub struct Strokes {
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     drives: Vec<Drive>,
     causes: Causes<Effect>,
     /// Greatest position (m) of all, from which the extension is counted.
@@ -41,34 +40,20 @@ pub struct Strokes {
 impl Strokes {
     /// The experiment's strokes.
     pub fn new(experiment: &Experiment) -> Strokes {
-        let column = |name: &str| {
-            experiment
-                .columns
-                .iter()
-                .position(|c| c == name)
-                .unwrap_or(0)
-        };
-        let (position, pressure, force) = (
-            column("position_m"),
-            column("pressure_gauge_pa"),
-            column("force_n"),
-        );
-        let [mut channel, of_pressure] =
-            [force, pressure].map(|column| noise::channels(experiment, &[column]).swap_remove(0));
+        let column = |name| experiment.column(name).unwrap_or(0);
+        let [position, pressure, force] =
+            ["position_m", "pressure_gauge_pa", "force_n"].map(column);
+        let mut data = Data::of(experiment, &[force]);
+        let of_pressure = noise::channels(experiment, &[pressure]).swap_remove(0);
         // What is compared with p A has the noise of p in it.
         let bores = experiment
             .runs
             .iter()
             .filter_map(|run| run.settings.get("bore_m"));
         let area = FRAC_PI_4 * bores.fold(0.0, |most: f64, bore| most.max(bore * bore));
+        let channel = &mut data.channels[0];
         channel.noise = channel.noise.hypot(area * of_pressure.noise);
         channel.is_given &= of_pressure.is_given;
-        let channels = vec![channel];
-        let logs = experiment
-            .runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &[force]))
-            .collect();
         let drives: Vec<Drive> = experiment
             .runs
             .iter()
@@ -77,10 +62,9 @@ impl Strokes {
         let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
         let retracted = places.fold(f64::NEG_INFINITY, f64::max);
         Strokes {
-            channels,
-            logs,
+            causes: Causes::of(&mut data, listed(), Vec::new()),
+            data,
             drives,
-            causes: Causes::new(causes()),
             retracted,
         }
     }
@@ -97,35 +81,20 @@ enum Effect {
     Scale,
 }
 
-fn causes() -> [(Effect, Cause); 6] {
-    let friction =
-        |id, name, most, scale, start| simple(id, name, 0.0, (0.0, most), scale, &[start]);
+fn listed() -> Vec<(Effect, Cause)> {
+    let viscous = "viscous_friction_n_s_per_m";
     let spring = vec![
         unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
         unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
     ];
-    let offset = sensor("sensor-offset", "force_n", "offset_n", 0.0, FREE, 0.5, &[]);
-    let scale = (0.2, 5.0);
-    let scale = sensor("encoder-scale", "force_n", "gain", 1.0, scale, 0.01, &[]);
-    let (coulomb, seal, viscous) = (
-        ("coulomb-friction", "coulomb_friction_n"),
-        ("seal-friction", "seal_friction_n_per_pa"),
-        ("viscous-friction", "viscous_friction_n_s_per_m"),
-    );
-    [
-        (
-            Effect::Coulomb,
-            friction(coulomb.0, coulomb.1, 1e4, 0.5, 1.0),
-        ),
-        (Effect::Seal, friction(seal.0, seal.1, 1.0, 1e-6, 1e-5)),
-        (
-            Effect::Viscous,
-            friction(viscous.0, viscous.1, 1e6, 1.0, 10.0),
-        ),
-        (Effect::Spring, Cause::several("return-spring", spring)),
-        (Effect::Offset, offset),
-        (Effect::Scale, scale),
-    ]
+    causes! {
+        Effect::Coulomb => amount("coulomb-friction", "coulomb_friction_n", 1e4, 0.5, &[1.0]);
+        Effect::Seal => amount("seal-friction", "seal_friction_n_per_pa", 1.0, 1e-6, &[1e-5]);
+        Effect::Viscous => amount("viscous-friction", viscous, 1e6, 1.0, &[10.0]);
+        Effect::Spring => Cause::several("return-spring", spring);
+        Effect::Offset => offset("force_n", "n", FREE, 0.5);
+        Effect::Scale => gain("force_n");
+    }
 }
 
 /// What drives the rows of a run that have a force; empty cells of the others are bridged.
@@ -179,12 +148,8 @@ fn motion(times: &[f64], position: &[f64]) -> Vec<(f64, f64)> {
 }
 
 impl Kind for Strokes {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// How the seal stands at the start, and over what way it turns over.
@@ -193,10 +158,6 @@ impl Kind for Strokes {
             unknown("seal_state", 0.0, (-1.0, 1.0), 0.5),
             unknown("presliding_m", 2e-4, (1e-6, 5e-3), 1e-4),
         ]
-    }
-
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
     }
 
     fn stronger(&self) -> String {

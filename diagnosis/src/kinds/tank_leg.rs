@@ -9,16 +9,15 @@ mod flight;
 mod rig;
 mod synthesis;
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use saltus_robot::Robot;
 use saltus_robot::units::{Quantity, Unit};
 
 use super::{Causes, unknown};
-use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Terms};
-use crate::noise;
+use crate::experiment::{Experiment, Sort};
+use crate::kind::{Data, Kind, Log, Parameter, Terms};
+use crate::recent::Recent;
 use crate::spec::{
     Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
     TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
@@ -135,14 +134,11 @@ enum Gauge {
 /// Jumps of a robot with a tank.
 #[derive(Clone, Debug)]
 pub struct Flights {
-    channels: Vec<Channel>,
+    data: Data,
     gauges: Vec<Gauge>,
-    logs: Vec<Log>,
     told: Vec<Told>,
     rig: Rig,
     causes: Causes<Effect>,
-    listed: usize,
-    notes: Vec<String>,
     courses: Vec<Courses>,
 }
 
@@ -167,9 +163,8 @@ impl Flights {
         let first = experiment.runs.first();
         let settings = first.map(|run| run.settings.clone()).unwrap_or_default();
         let rig = Rig::of(&settings)?;
-        let column = |name: &str| experiment.columns.iter().position(|c| c == name);
         let needed = |name: String| {
-            column(&name).ok_or_else(|| Problem::NoMachine {
+            experiment.column(&name).ok_or_else(|| Problem::NoMachine {
                 what: format!("column {name} is missing: [rig] has an actuator of that name"),
             })
         };
@@ -184,34 +179,31 @@ impl Flights {
         gauges.push(Gauge::Tank);
         for (k, name) in ["com_x_m", "com_y_m"].into_iter().enumerate() {
             // A column whose noise nobody states is for the posture, and is not predicted.
-            if let Some(index) = column(name).filter(|i| experiment.noise[*i].is_some()) {
+            if let Some(index) = experiment
+                .column(name)
+                .filter(|i| experiment.noise[*i].is_some())
+            {
                 indices.push(index);
                 gauges.push(Gauge::Center(k));
             }
         }
-        let channels = noise::channels(experiment, &indices);
         let told = experiment
             .runs
             .iter()
             .map(|run| Told::of(run, &rig, &experiment.columns))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut notes = Vec::new();
-        let logs = experiment
-            .runs
-            .iter()
-            .map(|run| log(experiment, run, (&indices, &gauges), &mut notes))
-            .collect();
-        let (named, terms) = causes::of(&rig, &channels, &gauges);
-        let listed = named.len();
+        let mut data = Data::of(experiment, &indices);
+        for log in &mut data.logs {
+            data.notes.extend(without_leaps(log, &gauges));
+        }
+        data.common = 1;
+        let (named, terms) = causes::of(&rig, &data.channels, &gauges);
         Ok(Flights {
-            channels,
+            causes: Causes::of(&mut data, named, terms),
+            data,
             gauges,
-            logs,
             told,
             rig,
-            causes: Causes::new(named.into_iter().chain(terms)),
-            listed,
-            notes,
             courses: experiment.runs.iter().map(|_| Courses::default()).collect(),
         })
     }
@@ -221,66 +213,31 @@ impl Flights {
 /// cause that is tried beside others begins at the same one, with the same derivatives.
 const KEPT: usize = 400;
 
-/// A course with the machine and the pressure (Pa) of the tank that it is of.
-type Known = (Changed, f64, Option<Arc<Course>>);
-
-/// Courses of a run, the latest last.
-#[derive(Debug, Default)]
-struct Courses(Mutex<VecDeque<Known>>);
-
-impl Clone for Courses {
-    fn clone(&self) -> Courses {
-        Courses::default()
-    }
-}
+/// What a machine does in a run from a pressure (Pa) of its tank on.
+type Courses = Recent<(f64, Changed), Option<Arc<Course>>>;
 
 impl Flights {
     /// What run `run` does.
     fn course(&self, run: usize, changed: Changed, tank: f64, last: f64) -> Option<Arc<Course>> {
-        let kept = || {
-            let all = self.courses[run].0.lock();
-            all.unwrap_or_else(PoisonError::into_inner)
+        let fly = |_: &(f64, Changed)| {
+            flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new)
         };
-        let again = || {
-            let mut all = kept();
-            let at = all.iter().rposition(|k| k.1 == tank && k.0 == changed)?;
-            let known = all.remove(at)?;
-            all.push_back(known.clone());
-            Some(known.2)
-        };
-        if let Some(course) = again() {
-            return course;
-        }
-        let course = flight::fly(&self.rig, &self.told[run], &changed, tank, last).map(Arc::new);
-        let mut all = kept();
-        all.push_back((changed, tank, course.clone()));
-        while all.len() > KEPT {
-            all.pop_front();
-        }
-        course
+        self.courses[run].ask((tank, changed), KEPT, fly)
     }
 }
 
-/// The readings of a run, without those of a muscle that are above the tank's: nothing fills it
-/// from there.
-fn log(
-    experiment: &Experiment,
-    run: &Run,
-    (indices, gauges): (&[usize], &[Gauge]),
-    notes: &mut Vec<String>,
-) -> Log {
-    let mut all = noise::log(experiment, run, indices);
+/// Leaves out readings of a muscle that are above the tank's: nothing fills it from there. A note
+/// says how many.
+fn without_leaps(all: &mut Log, gauges: &[Gauge]) -> Option<String> {
     let tank = gauges.iter().position(|g| *g == Gauge::Tank);
     let mut highest = f64::NAN;
     let before = all.readings.len();
-    let mut of_tank = all
-        .readings
-        .iter()
+    let readings = all.readings.iter();
+    let of_tank: Vec<(f64, f64)> = readings
         .filter(|r| Some(r.channel) == tank)
         .map(|r| (r.time, r.value))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .peekable();
+        .collect();
+    let mut of_tank = of_tank.into_iter().peekable();
     all.readings.retain(|reading| {
         while let Some((_, value)) = of_tank.next_if(|(time, _)| *time <= reading.time) {
             highest = value;
@@ -289,22 +246,17 @@ fn log(
         !(is_muscle && reading.value > highest + ABOVE_TANK)
     });
     let left_out = before - all.readings.len();
-    if left_out > 0 {
-        notes.push(format!(
+    (left_out > 0).then(|| {
+        format!(
             "{}: {left_out} readings of muscles above the tank's pressure are left out",
-            run.name
-        ));
-    }
-    all
+            all.name
+        )
+    })
 }
 
 impl Kind for Flights {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// What the tank's gauge says at the start, what the muscles' gauges say without pressure, and
@@ -330,21 +282,8 @@ impl Kind for Flights {
         all
     }
 
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
-    }
-
-    /// What the way to the air lets through, of which nobody says anything.
-    fn common(&self) -> usize {
-        1
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
-    }
-
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let log = &self.logs[run];
+        let log = &self.data.logs[run];
         let last = log.readings.last()?.time;
         let value = |effect, none| self.causes.or(effect, none, terms);
         let sensor = |gauge: &Gauge| {
@@ -385,10 +324,6 @@ impl Kind for Flights {
     fn stronger(&self) -> String {
         "jumps with shorter and longer openings, at several pressures of the tank".into()
     }
-
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
-    }
 }
 
 #[cfg(test)]
@@ -406,7 +341,7 @@ mod tests {
         let kind = Flights::new(&layout.experiment).expect("a robot");
         let own: Vec<f64> = kind.unknowns(0).iter().map(|p| p.neutral).collect();
         let off = |gauge: &Gauge| {
-            let place = kind.causes.effects.iter();
+            let place = kind.causes.0.iter();
             let is_it = |effect: &Effect| *effect == Effect::Offset(*gauge);
             place.into_iter().position(is_it).expect("a cause")
         };
@@ -415,7 +350,11 @@ mod tests {
         terms.set(off(&Gauge::Tank), 0, OFF);
         let more = [&[own[0] + OFF], &own[1..]].concat();
         let found = kind.predict(0, &terms, &more).expect("a jump");
-        for (reading, (found, right)) in kind.logs[0].readings.iter().zip(found.iter().zip(right)) {
+        for (reading, (found, right)) in kind.data.logs[0]
+            .readings
+            .iter()
+            .zip(found.iter().zip(right))
+        {
             let is_tank = kind.gauges[reading.channel] == Gauge::Tank;
             let expected = right + if is_tank { OFF } else { 0.0 };
             assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));

@@ -7,12 +7,11 @@ use saltus_numeric::statistics::quantile;
 use saltus_pneumatics::OrificeLaw;
 use saltus_robot::Gas as Perfect;
 
-use super::{Causes, FREE, sensor, simple, unknown};
+use super::{Causes, FREE, amount, causes, delay, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Kind, Log, Parameter, Proposal, Reading, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
-use crate::noise;
 use crate::plausible::{Check, PRESSURES};
 use crate::spec::{
     ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
@@ -41,12 +40,9 @@ struct Vessel {
 /// Vessels.
 #[derive(Clone, Debug)]
 pub struct Vessels {
-    channels: Vec<Channel>,
-    logs: Vec<Log>,
+    data: Data,
     tanks: Vec<Vessel>,
     causes: Causes<Effect>,
-    /// How many of them have an id.
-    listed: usize,
 }
 
 /// Standard deviations of a reading that has left the initial state.
@@ -116,17 +112,15 @@ fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Effect, Cause)> {
     let name = "outside_pressure_pa";
     let outside = simple("supply-pressure", name, 0.0, bounds, scale, &[]);
     let mut all = if are_shut(experiment) {
-        let (name, bounds) = ("settling_time_s", (0.0, 1e4));
-        let settling = simple("heat-transfer", name, 0.0, bounds, 0.1, &[1.0, 10.0]);
-        vec![
-            (Effect::Leak, leaks(experiment, logs)),
-            (Effect::Settling, settling),
-        ]
+        causes! {
+            Effect::Leak => leaks(experiment, logs);
+            Effect::Settling => amount("heat-transfer", "settling_time_s", 1e4, 0.1, &[1.0, 10.0]);
+        }
     } else {
         let (name, bounds) = ("carbon_dioxide_share", (0.8, 1.0));
         let gas = simple("gas-type", name, 0.0, bounds, 0.05, &[0.999]);
         // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
-        let heat = simple("heat-transfer", "convection", 0.0, (0.0, 5.0), 0.02, &[0.1]);
+        let heat = amount("heat-transfer", "convection", 5.0, 0.02, &[0.1]);
         vec![(Effect::Heat, heat), (Effect::Gas, gas)]
     };
     all.push((Effect::Outside, outside));
@@ -194,92 +188,53 @@ fn of_gauges(experiment: &Experiment) -> Vec<(Effect, Cause)> {
             continue;
         }
         let gauge = Gauge::of(column);
-        let name = format!("offset_{unit}");
-        let offset = sensor("sensor-offset", column, &name, 0.0, FREE, size, &[]);
-        let scale = sensor("encoder-scale", column, "gain", 1.0, (0.2, 5.0), 0.01, &[]);
-        let delay = sensor(
-            "sensor-delay",
-            column,
-            "delay_s",
-            0.0,
-            (0.0, 10.0),
-            0.1,
-            &[],
-        );
-        all.extend([
-            (
-                Effect::Offset(gauge),
-                offset.usual(5.0 * size, "sensors are calibrated"),
-            ),
-            (Effect::Scale(gauge), scale),
-            (Effect::Delay(gauge), delay),
-        ]);
+        let calibrated = "sensors are calibrated";
+        all.extend(causes! {
+            Effect::Offset(gauge) => offset(column, unit, FREE, size).usual(5.0 * size, calibrated);
+            Effect::Scale(gauge) => gain(column);
+            Effect::Delay(gauge) => delay(column, 10.0, 0.1);
+        });
     }
     all
 }
 
 /// Terms of the flow without a name, of runs that last `last` (s).
-fn unnamed(last: f64) -> [(Effect, Cause); 3] {
+fn unnamed(last: f64) -> Vec<(Effect, Cause)> {
     let drift = |id| simple(id, "c", 0.0, (-3.0, 3.0), 0.01, &[]);
-    let (bounds, starts) = (
-        (0.01 * last, last),
-        [0.02, 0.06, 0.2].map(|part| part * last),
-    );
-    [
-        (
-            Effect::DriftByPressure,
-            drift("flow through the orifice, times 1 + c times the share of pressure that is lost"),
-        ),
-        (
-            Effect::DriftByTime,
-            drift("flow through the orifice, times 1 + c times the share of time that is gone"),
-        ),
-        (
-            Effect::Opening,
-            simple(
-                "orifice that opens over a time",
-                "opening_s",
-                0.0,
-                bounds,
-                0.02 * last,
-                &starts,
-            ),
-        ),
-    ]
+    let by_pressure =
+        "flow through the orifice, times 1 + c times the share of pressure that is lost";
+    let by_time = "flow through the orifice, times 1 + c times the share of time that is gone";
+    let (name, bounds) = ("orifice that opens over a time", (0.01 * last, last));
+    let starts = [0.02, 0.06, 0.2].map(|part| part * last);
+    causes! {
+        Effect::DriftByPressure => drift(by_pressure);
+        Effect::DriftByTime => drift(by_time);
+        Effect::Opening => simple(name, "opening_s", 0.0, bounds, 0.02 * last, &starts);
+    }
 }
 
 impl Vessels {
     /// The experiment's vessels.
     pub fn new(experiment: &Experiment) -> Vessels {
         let indices: Vec<usize> = (0..experiment.columns.len()).collect();
-        let mut channels = noise::channels(experiment, &indices);
-        let mut logs: Vec<Log> = experiment
-            .runs
-            .iter()
-            .map(|run| noise::log(experiment, run, &indices))
-            .collect();
-        if are_shut(experiment) && logs.len() > 1 {
-            channels = each_its_own(&channels, &mut logs);
+        let mut data = Data::of(experiment, &indices);
+        if are_shut(experiment) && data.logs.len() > 1 {
+            data.channels = each_its_own(&data.channels, &mut data.logs);
         }
-        let tanks = experiment.runs.iter().map(vessel).collect();
-        let named = named(experiment, &logs);
-        let listed = named.len();
+        let named = named(experiment, &data.logs);
         let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
-        let last = logs.iter().filter_map(length).fold(0.0, f64::max);
-        let causes = Causes::new(named.into_iter().chain(unnamed(last)));
+        let last = data.logs.iter().filter_map(length).fold(0.0, f64::max);
         Vessels {
-            channels,
-            logs,
-            tanks,
-            causes,
-            listed,
+            causes: Causes::of(&mut data, named, unnamed(last)),
+            data,
+            tanks: experiment.runs.iter().map(vessel).collect(),
         }
     }
 
     /// Times (s) of the first and the last reading of a run.
     fn span(&self, run: usize) -> (f64, f64) {
         let time = |reading: Option<&Reading>| reading.map_or(0.0, |reading| reading.time);
-        let readings = &self.logs[run].readings;
+        let readings = &self.data.logs[run].readings;
         (time(readings.first()), time(readings.last()))
     }
 
@@ -293,16 +248,19 @@ impl Vessels {
     fn opened(&self, run: usize) -> [f64; 3] {
         let (first, last) = self.span(run);
         let tank = &self.tanks[run];
-        let own = self.logs[run].readings.iter().map(|r| r.channel).min();
+        let own = self.data.logs[run].readings.iter().map(|r| r.channel).min();
         let own = own.unwrap_or(0);
-        let channel = &self.channels[own];
+        let channel = &self.data.channels[own];
         let initial = match Gauge::of(&channel.name) {
             Gauge::Pressure => tank.pressure,
             Gauge::Temperature => tank.temperature,
         };
         let away = |r: &Reading| (r.value - initial).abs();
         let doubt = LEFT * channel.noise;
-        let mut column = self.logs[run].readings.iter().filter(|r| r.channel == own);
+        let mut column = self.data.logs[run]
+            .readings
+            .iter()
+            .filter(|r| r.channel == own);
         let long_before = first - 2.0 * (last - first);
         let Some(left) = column.find(|r| away(r) > doubt) else {
             return [long_before, first, last];
@@ -336,12 +294,8 @@ fn vessel(run: &Run) -> Vessel {
 }
 
 impl Kind for Vessels {
-    fn channels(&self) -> &[Channel] {
-        &self.channels
-    }
-
-    fn logs(&self) -> &[Log] {
-        &self.logs
+    fn data(&self) -> &Data {
+        &self.data
     }
 
     /// What the orifice lets through of the ideal flow, which no drawing tells; and when it was
@@ -380,16 +334,8 @@ impl Kind for Vessels {
         all
     }
 
-    fn causes(&self) -> &[Cause] {
-        &self.causes.list
-    }
-
     fn stronger(&self) -> String {
         "runs from a pressure that is farther from the other side's, until both are equal".into()
-    }
-
-    fn listed(&self) -> usize {
-        self.listed
     }
 
     /// Each vessel that is shut has a leak of its own.
@@ -399,12 +345,8 @@ impl Kind for Vessels {
 
     /// The same runs with the temperature of the gas measured too, where it was not.
     fn proposals(&self) -> Vec<Proposal> {
-        if self
-            .channels
-            .iter()
-            .any(|c| c.name.ends_with("temperature_k"))
-            || self.is_apart()
-        {
+        let mut measured = self.data.channels.iter();
+        if measured.any(|c| c.name.ends_with("temperature_k")) || self.is_apart() {
             return Vec::new();
         }
         let channel = Channel {
@@ -419,15 +361,15 @@ impl Kind for Vessels {
                 .iter()
                 .map(|r| Reading { channel: 0, ..*r })
                 .collect();
+            let name = log.name.clone();
             let kind = Vessels {
-                channels: vec![channel.clone()],
-                logs: vec![Log {
-                    name: log.name.clone(),
-                    readings,
-                }],
+                data: Data {
+                    channels: vec![channel.clone()],
+                    logs: vec![Log { name, readings }],
+                    ..self.data.clone()
+                },
                 tanks: vec![*tank],
                 causes: self.causes.clone(),
-                listed: self.listed,
             };
             let what = format!(
                 "measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}",
@@ -438,16 +380,21 @@ impl Kind for Vessels {
                 kind: Box::new(kind),
             }
         };
-        self.logs.iter().zip(&self.tanks).map(proposal).collect()
+        self.data
+            .logs
+            .iter()
+            .zip(&self.tanks)
+            .map(proposal)
+            .collect()
     }
 
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let value = |effect, none| self.causes.or(effect, none, terms);
         let gas = self.gas(run, terms, unknowns)?;
         let knots = gas.knots();
-        let mut out = Vec::with_capacity(self.logs[run].readings.len());
-        for reading in &self.logs[run].readings {
-            let gauge = Gauge::of(&self.channels[reading.channel].name);
+        let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
+        for reading in &self.data.logs[run].readings {
+            let gauge = Gauge::of(&self.data.channels[reading.channel].name);
             let time = reading.time - gas.release - value(Effect::Delay(gauge), 0.0);
             let state = between(&knots, gas.step, time);
             let exact = match gauge {

@@ -128,22 +128,12 @@ impl Believed {
                 counterweight,
             }
         };
-        let joint = |name: &str, parent: Option<usize>, height| Joint {
-            name: name.into(),
-            parent,
-            // The hip's angle grows as the swinging leg falls behind the other.
-            way: Way::Turns {
-                back: parent.is_some(),
-            },
-            at: [0.0, height],
-            angle: 0.0,
-            friction: 0.0,
-            damping: 0.0,
-        };
         let hip = Joint {
+            // The hip's angle grows as the swinging leg falls behind the other.
+            way: Way::Turns { back: true },
             friction: self.dry,
             damping: self.viscous,
-            ..joint("hip", Some(0), self.length)
+            ..Joint::turning("hip", Some(0), [0.0, self.length])
         };
         let at_hip = Counterweight {
             name: "hip".into(),
@@ -159,7 +149,12 @@ impl Believed {
             name: "[rig]".into(),
             gravity: GRAVITY,
             links: vec![
-                link(own, joint("foot", None, 0.0), center, Some(at_hip)),
+                link(
+                    own,
+                    Joint::turning("foot", None, [0.0; 2]),
+                    center,
+                    Some(at_hip),
+                ),
                 link(other, hip, -self.centers[other], None),
             ],
             springs: Vec::new(),
@@ -196,9 +191,9 @@ fn of(experiment: &Experiment) -> Result<Motions, Problem> {
 
 /// Each step as a run, with the leg that stands and the walk that it is of.
 fn cut(experiment: &Experiment) -> (Experiment, Vec<Piece>) {
-    let column = |name: &str| experiment.columns.iter().position(|c| c == name);
-    let stands = column("outer_leg_stands").unwrap_or(0);
-    let needed = ["lean_rad", "hip_angle_rad", "torque_nm"].map(|name| column(name).unwrap_or(0));
+    let column = |name| experiment.column(name).unwrap_or(0);
+    let stands = column("outer_leg_stands");
+    let needed = ["lean_rad", "hip_angle_rad", "torque_nm"].map(column);
     let (mut steps, mut pieces) = (Vec::new(), Vec::new());
     for (group, run) in experiment.runs.iter().enumerate() {
         let (mut from, mut number) = (0, 0);

@@ -3,7 +3,7 @@
 use saltus_controller::run::Steps;
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// Most values that a table may have: 1 GiB of numbers.
 pub(crate) const MOST: usize = 1 << 27;
@@ -50,17 +50,16 @@ impl Bins {
     /// would be above 1 GiB.
     pub fn new(axes: Vec<Bin>) -> Result<Bins, GaitError> {
         for bin in &axes {
-            let count = bin.count as f64;
-            let sound = (1..=usize::from(u16::MAX)).contains(&bin.count);
-            require(sound, "steps of a state", count, "from 1 to 65535")?;
-            let (from, to) = (bin.from, bin.to);
-            let allowed = format!("a finite number above {from}");
-            let sound = from.is_finite() && to.is_finite() && to > from;
-            require(sound, "end of a state's range", to, allowed)?;
+            let (from, to, most) = (bin.from, bin.to, usize::from(u16::MAX));
+            let is_ordered = from.is_finite() && to.is_finite() && to > from;
+            ensure! {
+                "steps of a state", bin.count as f64, (1..=most).contains(&bin.count)
+                    => "from 1 to 65535";
+                "end of a state's range", to, is_ordered => format!("a finite number above {from}");
+            }
         }
         let states: f64 = axes.iter().map(|bin| bin.count as f64).product();
-        let allowed = format!("at most {MOST} in all");
-        require(states <= MOST as f64, "states", states, allowed)?;
+        ensure! { "states", states, states <= MOST as f64 => format!("at most {MOST} in all"); }
         Ok(Bins { axes })
     }
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::GaitError;
-use crate::error::{refused, require};
+use crate::error::{ensure, refused};
 use crate::senses::Senses;
 use crate::surroundings::Surroundings;
 
@@ -44,8 +44,7 @@ impl Stride {
         strides: usize,
     ) -> Result<Stride, GaitError> {
         task.check()?;
-        let count = strides as f64;
-        require(strides > 0, "steps of an episode", count, "1 or more")?;
+        ensure! { "steps of an episode", strides as f64, strides > 0 => "1 or more"; }
         let pitch = TAU / f64::from(plant.robot.body.legs);
         let mut observed = vec![
             Axis::new("wheel_rate", "rad_s", -60.0, 60.0),
@@ -129,12 +128,12 @@ impl InStride {
             return Err(refused("action", f64::NAN, wanted));
         };
         let [from, to] = [self.task.zone, self.task.zone + self.pitch];
-        let allowed = format!("from {from:.4} to {to:.4} rad, the active zone");
-        let inside = (from..=to).contains(&angle);
-        require(inside, "firing angle (rad)", angle, allowed)?;
-        let allowed = format!("from 0 to {LONGEST} s");
-        let sound = (0.0..=LONGEST).contains(&opening);
-        require(sound, "valve opening time (s)", opening, allowed)?;
+        ensure! {
+            "firing angle (rad)", angle, (from..=to).contains(&angle)
+                => format!("from {from:.4} to {to:.4} rad, the active zone");
+            "valve opening time (s)", opening, (0.0..=LONGEST).contains(&opening)
+                => format!("from 0 to {LONGEST} s");
+        }
         Ok((angle, opening))
     }
 

@@ -6,7 +6,7 @@ use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::{ensure, require};
 
 use super::bins::MOST;
 
@@ -113,9 +113,10 @@ impl Tabular {
     ) -> Result<Tabular, GaitError> {
         rates.check()?;
         let size = states.saturating_mul(actions);
-        let allowed = format!("from 1 to {MOST}, a table of 1 GiB");
-        let sound = (1..=MOST).contains(&size);
-        require(sound, "states times actions", size as f64, allowed)?;
+        ensure! {
+            "states times actions", size as f64, (1..=MOST).contains(&size)
+                => format!("from 1 to {MOST}, a table of 1 GiB");
+        }
         Ok(Tabular {
             algorithm,
             rates,
@@ -136,9 +137,8 @@ impl Tabular {
     /// # Errors
     /// [`GaitError::Input`] for another number of values.
     pub fn with_values(mut self, values: Vec<f64>) -> Result<Tabular, GaitError> {
-        let allowed = format!("{}, as the table has", self.values.len());
-        let count = values.len();
-        require(count == self.values.len(), "values", count as f64, allowed)?;
+        let (count, own) = (values.len(), self.values.len());
+        ensure! { "values", count as f64, count == own => format!("{own}, as the table has"); }
         self.values = values;
         Ok(self)
     }

@@ -3,7 +3,7 @@
 use rand_pcg::Pcg64;
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 use super::bins::Bins;
 use super::process::{Act, Environment, Outcome};
@@ -65,13 +65,15 @@ impl Training<'_> {
             episodes,
         } = self.schedule;
         let unit = |x: f64| (0.0..=1.0).contains(&x);
-        require(unit(epsilon), "epsilon", epsilon, "from 0 to 1")?;
-        require(unit(decay), "decay of epsilon", decay, "from 0 to 1")?;
-        require(episodes > 0, "episodes", episodes as f64, "1 or more")?;
         let observed = self.environment.observed().len();
         let axes = self.bins.axes().len();
-        let allowed = format!("{observed}, as is observed");
-        require(axes == observed, "axes of the states", axes as f64, allowed)?;
+        ensure! {
+            "epsilon", epsilon, unit(epsilon) => "from 0 to 1";
+            "decay of epsilon", decay, unit(decay) => "from 0 to 1";
+            "episodes", episodes as f64, episodes > 0 => "1 or more";
+            "axes of the states", axes as f64, axes == observed
+                => format!("{observed}, as is observed");
+        }
         let choices = self.environment.actions().choices();
         choices.ok_or_else(|| crate::error::refused("actions", f64::NAN, "choices, for a table"))
     }

@@ -15,7 +15,7 @@ use saltus_robot::Robot;
 
 use crate::box_table::{BoxTable, ZONE, counted};
 use crate::drawn::Draw;
-use crate::error::require;
+use crate::error::ensure;
 use crate::run::{Obstacle, Setup};
 use crate::{GaitError, Smooth};
 
@@ -70,22 +70,24 @@ impl Sensed {
 
     fn check(&self) -> Result<(), GaitError> {
         let length = self.robot.boom.map_or(0.0, |boom| boom.length);
-        let allowed = "that of a boom, whose turn measures the way";
-        require(length > 0.0, "length of the boom (m)", length, allowed)?;
+        let ([from, to], room) = (self.fronts, self.room);
+        ensure! {
+            "length of the boom (m)", length, length > 0.0
+                => "that of a boom, whose turn measures the way";
+        }
         for (name, count) in [
             ("heights", self.heights.len()),
             ("runs", self.runs),
             ("rounds", self.rounds),
         ] {
-            require(count >= 1, name, count as f64, "at least 1")?;
+            ensure! { name, count as f64, count >= 1 => "at least 1"; }
         }
-        let room = (0.0..=MOST_ROOM).contains(&self.room);
-        let allowed = format!("from 0 to {MOST_ROOM} m");
-        require(room, "room to run up (m)", self.room, allowed)?;
-        let [from, to] = self.fronts;
-        let ordered = from <= to;
-        let allowed = format!("from {from} m, the nearest front");
-        require(ordered, "farthest front of the obstacle (m)", to, allowed)?;
+        ensure! {
+            "room to run up (m)", room, (0.0..=MOST_ROOM).contains(&room)
+                => format!("from 0 to {MOST_ROOM} m");
+            "farthest front of the obstacle (m)", to, from <= to
+                => format!("from {from} m, the nearest front");
+        }
         for height in &self.heights {
             self.box_at(*height, from).check(self.robot.body.radius)?;
         }

@@ -4,7 +4,7 @@ use saltus_controller::ball::{Balance, Steer};
 use saltus_robot::Robot;
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// How a robot is kept in its plane, along a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,12 +53,11 @@ impl Stable {
         ];
         let finite = [by_rate[0], by_rate[1], rate, line];
         for x in angles.into_iter().chain(steered).chain(finite) {
-            let allowed = "a finite number";
-            require(x.is_finite(), "numbers of a stable gait", x, allowed)?;
+            ensure! { "numbers of a stable gait", x, x.is_finite() => "a finite number"; }
         }
         for open in opens.into_iter().chain(first).chain([steer.most]) {
             let sound = (0.0..=1.0).contains(&open);
-            require(sound, "valve opening time (s)", open, "from 0 to 1 s")?;
+            ensure! { "valve opening time (s)", open, sound => "from 0 to 1 s"; }
         }
         Ok(Balance {
             period: robot.sensors.unwrap_or_default().period,

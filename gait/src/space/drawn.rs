@@ -6,7 +6,7 @@ use saltus_robot::Robot;
 use saltus_robot::space::Factors;
 
 use crate::GaitError;
-use crate::error::require;
+use crate::error::{ensure, require};
 
 /// How balls are drawn around one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,27 +56,13 @@ pub fn drawn_ball(
     seed: u64,
     k: usize,
 ) -> Result<Robot, GaitError> {
-    let sound = |x: f64, most: f64| (0.0..=most).contains(&x);
-    require(
-        sound(draw.force, 0.5),
-        "scatter of forces",
-        draw.force,
-        "from 0 to 0.5",
-    )?;
-    let allowed = "from 0 to 0.1 m";
-    require(
-        sound(draw.center, 0.1),
-        "scatter of the centre of mass (m)",
-        draw.center,
-        allowed,
-    )?;
-    let [from, to] = draw.friction;
-    require(
-        sound(from, to),
-        "friction, from",
-        from,
-        format!("from 0 to {to}"),
-    )?;
+    let ([from, to], DrawnBalls { force, center, .. }) = (draw.friction, *draw);
+    ensure! {
+        "scatter of forces", force, (0.0..=0.5).contains(&force) => "from 0 to 0.5";
+        "scatter of the centre of mass (m)", center, (0.0..=0.1).contains(&center)
+            => "from 0 to 0.1 m";
+        "friction, from", from, (0.0..=to).contains(&from) => format!("from 0 to {to}");
+    }
     let mut drawn = robot.clone();
     let mut random = Pcg64::new(u128::from(seed), 2 * k as u128 + 1);
     let legs = robot.body.legs as usize;

@@ -12,7 +12,7 @@ use super::disc::Facing;
 use super::sensing::{feet, filter, scales};
 use super::steer::Steered;
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// The constants of a ball's controller, in numbers `R`.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,17 +57,12 @@ impl Flashed<f64> {
         let legs = f64::from(robot.body.legs);
         let directions = robot.space.as_ref().map(|space| space.directions.vectors());
         let allowed = "of a robot in space: body.shape = \"sphere\"";
-        require(directions.is_some(), "legs", legs, allowed)?;
+        ensure! { "legs", legs, directions.is_some() => allowed; }
         let directions = directions.unwrap_or_default();
         let planes = Facing::every(&discs(&directions));
         let planes: Vec<FlashedPlane<f64>> = planes.iter().map(FlashedPlane::of).collect();
         let allowed = "such that the robot can roll: a plane has to hold four legs or more, and to be the mirror of the other legs";
-        require(
-            !planes.is_empty(),
-            "legs.directions",
-            planes.len() as f64,
-            allowed,
-        )?;
+        ensure! { "legs.directions", planes.len() as f64, !planes.is_empty() => allowed; }
         let Feet { reach, radius, .. } = feet(robot, &directions);
         Ok(Flashed {
             filter: filter(robot),
@@ -167,68 +162,40 @@ fn station<R: Real>(station: &Station<f64>) -> Station<R> {
     }
 }
 
+/// A struct of numbers, then of arrays, in other numbers; what is given by name comes last.
+macro_rules! rounded {
+    ($of:ident $from:expr; $($number:ident)*; $($array:ident)*; $($name:ident: $value:expr)*) => {
+        $of {
+            $($number: R::of($from.$number),)*
+            $($array: all($from.$array),)*
+            $($name: $value,)*
+        }
+    };
+}
+
 fn weighed<R: Real>(f: &Filter<f64>) -> Filter<R> {
-    Filter {
-        period: R::of(f.period),
-        gravity: R::of(f.gravity),
-        bias: all(f.bias),
-        by_foot: R::of(f.by_foot),
-        tilt: R::of(f.tilt),
-        settles: R::of(f.settles),
-        returns: R::of(f.returns),
-    }
+    rounded! { Filter f; period gravity by_foot tilt settles returns; bias; }
 }
 
 fn counted<R: Real>(s: &Scales<f64>) -> Scales<R> {
-    Scales {
-        fine_gyro: R::of(s.fine_gyro),
-        coarse_gyro: R::of(s.coarse_gyro),
-        fine_accelerometer: R::of(s.fine_accelerometer),
-        coarse_accelerometer: R::of(s.coarse_accelerometer),
-        limit: s.limit,
+    rounded! {
+        Scales s; fine_gyro coarse_gyro fine_accelerometer coarse_accelerometer;; limit: s.limit
     }
 }
 
 fn balanced<R: Real>(b: &Balance<f64>) -> Balance<R> {
     let s = &b.steer;
-    Balance {
-        period: R::of(b.period),
-        zone: R::of(b.zone),
-        angles: all(b.angles),
-        opens: all(b.opens),
-        by_rate: all(b.by_rate),
-        rate: R::of(b.rate),
-        first: all(b.first),
-        slow: R::of(b.slow),
-        stall: R::of(b.stall),
-        lead: R::of(b.lead),
-        least: R::of(b.least),
-        steer: Steer {
-            roll: R::of(s.roll),
-            roll_rate: R::of(s.roll_rate),
-            heading: R::of(s.heading),
-            heading_rate: R::of(s.heading_rate),
-            aside: R::of(s.aside),
-            aside_rate: R::of(s.aside_rate),
-            sum: R::of(s.sum),
-            most: R::of(s.most),
-            from: R::of(s.from),
-            rest: R::of(s.rest),
-        },
+    let steer = rounded! {
+        Steer s; roll roll_rate heading heading_rate aside aside_rate sum most from rest;;
+    };
+    rounded! {
+        Balance b; period zone rate slow stall lead least; angles opens by_rate first; steer: steer
     }
 }
 
 fn led<R: Real>(l: &Lead<f64>) -> Lead<R> {
-    Lead {
-        balance: balanced(&l.balance),
-        ahead: R::of(l.ahead),
-        slew: R::of(l.slew),
-        tips: R::of(l.tips),
-        astray: R::of(l.astray),
-        turn: R::of(l.turn),
-        near: R::of(l.near),
-        still: R::of(l.still),
-        rests: R::of(l.rests),
-        patience: R::of(l.patience),
+    rounded! {
+        Lead l; ahead slew tips astray turn near still rests patience;;
+        balance: balanced(&l.balance)
     }
 }

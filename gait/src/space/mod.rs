@@ -30,7 +30,7 @@ use saltus_robot::Robot;
 use saltus_robot::space::{Rest, discs, rests};
 use saltus_sim_check::{Event, Happening, Ledger, Rig, Settings, Sim, Stepping, Vec3};
 
-use crate::error::require;
+use crate::error::ensure;
 use crate::law::Compiled;
 use crate::{GaitError, Program};
 use sensing::{estimator, scales};
@@ -272,48 +272,39 @@ impl Roll {
     /// [`GaitError::Input`] for a robot that is not in space, and a rest or a way that it does not have.
     pub fn facing(&self) -> Result<(Rest, Facing), GaitError> {
         let space = self.robot.space.as_ref();
-        let is_in_space = space.is_some();
-        let legs = f64::from(self.robot.body.legs);
         let allowed = "of a robot in space: body.shape = \"sphere\"";
-        require(is_in_space, "legs", legs, allowed)?;
+        ensure! { "legs", f64::from(self.robot.body.legs), space.is_some() => allowed; }
         let directions = space.map(|space| space.directions.vectors());
         let directions = directions.unwrap_or_default();
         let (rests, discs) = (rests(&directions), discs(&directions));
         let Start { rest, way, .. } = self.start;
-        let allowed = format!("below {}", rests.len());
-        require(rest < rests.len(), "rest", rest as f64, allowed)?;
+        let count = rests.len();
+        ensure! { "rest", rest as f64, rest < count => format!("below {count}"); }
         let rest = rests[rest].clone();
         let ways = Facing::all(&rest, &discs);
         let allowed = "such that the robot can roll: as it stands, a plane that holds four legs or more has to be upright, and to \
                        be the mirror of the other legs, as those of a dodecahedron are";
-        require(
-            !ways.is_empty(),
-            "legs.directions",
-            ways.len() as f64,
-            allowed,
-        )?;
+        ensure! { "legs.directions", ways.len() as f64, !ways.is_empty() => allowed; }
         let allowed = format!("below {}, the ways open from this rest", ways.len());
-        require(way < ways.len(), "way", way as f64, allowed)?;
+        ensure! { "way", way as f64, way < ways.len() => allowed; }
         Ok((rest, ways[way].clone()))
     }
 
     fn check(&self) -> Result<(), GaitError> {
-        let sound = self.seconds > 0.0 && self.seconds <= 1e5;
-        require(sound, "time (s)", self.seconds, "above 0, at most 100000")?;
+        let seconds = self.seconds;
+        ensure! { "time (s)", seconds, seconds > 0.0 && seconds <= 1e5 => "above 0, at most 100000"; }
         let Start {
             roll, yaw, thrown, ..
         } = self.start;
         if let Some(Thrown { attitude, spin }) = thrown {
             let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let is_unit = (length - 1.0).abs() < 1e-9;
-            require(is_unit, "length of a quaternion", length, "1")?;
+            ensure! { "length of a quaternion", length, (length - 1.0).abs() < 1e-9 => "1"; }
             for x in spin {
-                let sound = x.abs() <= 100.0;
-                require(sound, "spin (rad/s)", x, "from -100 to 100 rad/s")?;
+                ensure! { "spin (rad/s)", x, x.abs() <= 100.0 => "from -100 to 100 rad/s"; }
             }
         }
         for (name, x) in [("roll (rad)", roll), ("yaw (rad)", yaw)] {
-            require(x.abs() <= 1.0, name, x, "from -1 to 1")?;
+            ensure! { name, x, x.abs() <= 1.0 => "from -1 to 1"; }
         }
         Ok(())
     }

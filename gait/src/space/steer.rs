@@ -5,7 +5,7 @@ use saltus_robot::Robot;
 
 use super::balance::Stable;
 use crate::GaitError;
-use crate::error::require;
+use crate::error::ensure;
 
 /// How a ball follows a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,8 +103,7 @@ impl Steered {
             ("distance from a point of the path (m)", lead.near),
         ];
         for (name, x) in numbers {
-            let sound = x > 0.0 && x <= 1e3;
-            require(sound, name, x, "above 0, at most 1000")?;
+            ensure! { name, x, x > 0.0 && x <= 1e3 => "above 0, at most 1000"; }
         }
         self.check_path()?;
         Ok(lead)
@@ -112,17 +111,16 @@ impl Steered {
 
     fn check_path(&self) -> Result<(), GaitError> {
         let points = self.path.len();
-        require(points > 0, "points of the path", points as f64, "1 or more")?;
+        ensure! { "points of the path", points as f64, points > 0 => "1 or more"; }
         let mut before = [0.0; 2];
         for (k, point) in self.path.iter().enumerate() {
             for x in *point {
-                let sound = x.abs() <= MOST;
                 let name = format!("point {} of the path (m)", k + 1);
-                require(sound, &name, x, "from -100000 to 100000 m")?;
+                ensure! { &name, x, x.abs() <= MOST => "from -100000 to 100000 m"; }
             }
             let apart = (point[0] - before[0]).hypot(point[1] - before[1]);
             let name = format!("distance (m) from point {k} of the path to point {}", k + 1);
-            require(apart >= Steered::LEAST_APART, &name, apart, "0.1 m or more")?;
+            ensure! { &name, apart, apart >= Steered::LEAST_APART => "0.1 m or more"; }
             before = *point;
         }
         Ok(())

@@ -34,6 +34,17 @@ pub struct Relief {
     pub decisions: Vec<[f64; 2]>,
 }
 
+impl Relief {
+    /// No nearer course was found.
+    fn none() -> Relief {
+        Relief {
+            gives: Vec::new(),
+            total: f64::INFINITY,
+            decisions: Vec::new(),
+        }
+    }
+}
+
 /// Most choices of grounds to look at for a course of one jump; a course of more jumps takes as
 /// much longer a choice.
 const CHOICES: usize = 200;
@@ -60,11 +71,7 @@ pub(super) fn nearest(
         jumper,
     );
     let goal = kept_goal(course.goal, jumper.zone_margin());
-    let mut best = Relief {
-        gives: Vec::new(),
-        total: f64::INFINITY,
-        decisions: Vec::new(),
-    };
+    let mut best = Relief::none();
     let mut chosen = None;
     for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
         let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
@@ -247,11 +254,7 @@ impl<'a> Elastic<'a> {
     fn relief(&self, report: &sqp::Report, settings: &Settings) -> Relief {
         let n = self.decisions;
         if report.violation > ROUND_OFF.max(settings.solver.feasibility) {
-            return Relief {
-                gives: Vec::new(),
-                total: f64::INFINITY,
-                decisions: Vec::new(),
-            };
+            return Relief::none();
         }
         let give = |(&row, &amount): (&usize, &f64)| {
             let forward = if row == self.rows.len() { -1.0 } else { 1.0 };

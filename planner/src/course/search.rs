@@ -194,18 +194,12 @@ pub fn plan_watched(
                     .map_or(best.cost, |start| start.bound.min(best.cost));
                 Answer::Plan(search.finish(best, bound, false))
             }
-            _ => Answer::Undecided {
-                nodes: search.nodes,
-                solves: search.solves,
-            },
+            _ => search.undecided(),
         });
     }
     Ok(match &search.best {
         Some(best) => Answer::Plan(search.finish(best, bound.min(best.cost), complete)),
-        None => Answer::Undecided {
-            nodes: search.nodes,
-            solves: search.solves,
-        },
+        None => search.undecided(),
     })
 }
 
@@ -343,6 +337,13 @@ struct First {
 }
 
 impl Search<'_> {
+    fn undecided(&self) -> Answer {
+        Answer::Undecided {
+            nodes: self.nodes,
+            solves: self.solves,
+        }
+    }
+
     /// Looks at what is open until none of it can be better.
     fn run(&mut self) -> End {
         if let Some(start) = self.sequences.start() {
@@ -539,12 +540,7 @@ impl Search<'_> {
     /// Looks for a local optimum of a choice; whether it finds a plan.
     fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) -> bool {
         self.solves += 1;
-        let report = self.problem(choice).settle(
-            decisions,
-            solver,
-            |p, _| p.choice.clone(),
-            |p, x| sqp::solve(p, x, solver),
-        );
+        let report = settled(&mut self.problem(choice), decisions, solver);
         let is_plan = report.violation <= self.settings.solver.feasibility;
         if is_plan {
             let is_final =
@@ -722,14 +718,7 @@ impl Search<'_> {
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
         let mut problem = self.problem(best.choice);
         let solver = &self.settings.solver;
-        let solve = || {
-            problem.settle(
-                &best.decisions,
-                solver,
-                |p, _| p.choice.clone(),
-                |p, x| sqp::solve(p, x, solver),
-            )
-        };
+        let solve = || settled(&mut problem, &best.decisions, solver);
         let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);
@@ -759,6 +748,16 @@ impl Search<'_> {
             report,
         }
     }
+}
+
+/// The solution of a choice's program from `decisions`, on the grounds as they are.
+fn settled(problem: &mut Problem<'_>, decisions: &[f64], solver: &sqp::Settings) -> sqp::Report {
+    problem.settle(
+        decisions,
+        solver,
+        |p, _| p.choice.clone(),
+        |p, x| sqp::solve(p, x, solver),
+    )
 }
 
 /// Whether `n` is a power of `base`, the first one or higher.

@@ -1,5 +1,7 @@
 //! The course as it is given, and what is allowed in it.
 
+use saltus_numeric::refused;
+
 use super::Span;
 
 /// Greatest number of jumps that one plan may have.
@@ -90,94 +92,60 @@ impl Course {
         let length = |x: f64| x.abs() <= MAX_LENGTH;
         let size = |x: f64| x > 0.0 && x <= MAX_LENGTH;
         let (a_length, a_size) = ("from -10000 to 10000 m", "above 0, to 10000 m");
-        self.require("start_x_m", self.start, length(self.start), a_length)?;
-        self.require(
-            "start_height_m",
-            self.start_height,
-            (0.0..=MAX_LENGTH).contains(&self.start_height),
-            "0 to 10000 m",
-        )?;
-        self.require(
-            "jumps",
-            self.jumps as f64,
-            (1..=MAX_JUMPS).contains(&self.jumps),
-            "1 to 12",
-        )?;
-        self.require("goal_x_m", self.goal.low, length(self.goal.low), a_length)?;
-        self.require("goal_x_m", self.goal.high, length(self.goal.high), a_length)?;
-        self.require(
-            "goal_x_m",
-            self.goal.high,
-            !self.goal.is_empty(),
-            "a zone that ends behind its beginning",
-        )?;
-        self.require(
-            "obstacles (number)",
-            self.obstacles.len() as f64,
-            self.obstacles.len() <= MAX_ITEMS,
-            "0 to 64",
+        let (goal, boxes, areas) = (self.goal, self.obstacles.len(), self.no_landing.len());
+        self.allow(
+            "",
+            refused! {
+                "start_x_m", self.start, length(self.start) => a_length;
+                "start_height_m", self.start_height, (0.0..=MAX_LENGTH).contains(&self.start_height)
+                    => "0 to 10000 m";
+                "jumps", self.jumps as f64, (1..=MAX_JUMPS).contains(&self.jumps) => "1 to 12";
+                "goal_x_m", goal.low, length(goal.low) => a_length;
+                "goal_x_m", goal.high, length(goal.high) => a_length;
+                "goal_x_m", goal.high, !goal.is_empty() => "a zone that ends behind its beginning";
+                "obstacles (number)", boxes as f64, boxes <= MAX_ITEMS => "0 to 64";
+            },
         )?;
         for (i, o) in self.obstacles.iter().enumerate() {
-            let i = i + 1;
-            self.require(
-                &format!("obstacle {i}.center_x_m"),
-                o.center,
-                length(o.center),
-                a_length,
-            )?;
-            self.require(
-                &format!("obstacle {i}.width_m"),
-                o.width,
-                size(o.width),
-                a_size,
-            )?;
-            self.require(
-                &format!("obstacle {i}.height_m"),
-                o.height,
-                size(o.height),
-                a_size,
+            self.allow(
+                &format!("obstacle {}.", i + 1),
+                refused! {
+                    "center_x_m", o.center, length(o.center) => a_length;
+                    "width_m", o.width, size(o.width) => a_size;
+                    "height_m", o.height, size(o.height) => a_size;
+                },
             )?;
         }
-        self.require(
-            "no_landing (number)",
-            self.no_landing.len() as f64,
-            self.no_landing.len() <= MAX_ITEMS,
-            "0 to 64",
+        self.allow(
+            "",
+            refused! { "no_landing (number)", areas as f64, areas <= MAX_ITEMS => "0 to 64"; },
         )?;
         for (i, a) in self.no_landing.iter().enumerate() {
             let center = f64::midpoint(a.low, a.high);
-            let i = i + 1;
-            self.require(
-                &format!("no_landing {i}.center_x_m"),
-                center,
-                length(center),
-                a_length,
-            )?;
-            self.require(
-                &format!("no_landing {i}.width_m"),
-                a.width(),
-                size(a.width()),
-                a_size,
+            self.allow(
+                &format!("no_landing {}.", i + 1),
+                refused! {
+                    "center_x_m", center, length(center) => a_length;
+                    "width_m", a.width(), size(a.width()) => a_size;
+                },
             )?;
         }
         self.check_overlap()
     }
 
-    fn require(
+    /// The error of a number that is not allowed, whose key begins with `of`.
+    fn allow(
         &self,
-        key: &str,
-        value: f64,
-        holds: bool,
-        allowed: &'static str,
+        of: &str,
+        refused: Option<(&str, f64, &'static str)>,
     ) -> Result<(), CourseError> {
-        if holds {
-            return Ok(());
-        }
-        Err(CourseError::Value {
-            course: self.id.clone(),
-            key: key.into(),
-            value,
-            allowed,
+        refused.map_or(Ok(()), |(key, value, allowed)| {
+            Err(CourseError::Value {
+                course: self.id.clone(),
+                key: format!("{of}{key}"),
+                value,
+                allowed,
+            })
         })
     }
 

@@ -58,6 +58,9 @@ pub struct Crossing {
 /// What a lean or a firing angle may be.
 const UPRIGHT: &str = "between -pi/2 and pi/2 rad, exclusive";
 
+/// Key and value of a number that is not allowed, and what is.
+type Refused = (&'static str, f64, &'static str);
+
 fn is_upright(x: f64) -> bool {
     x.abs() < std::f64::consts::FRAC_PI_2
 }
@@ -96,19 +99,19 @@ impl Crossing {
 
     pub(super) fn check(&self) -> Result<(), CrossingError> {
         self.course.check()?;
-        if let Some((key, value, allowed)) = self.refused() {
-            return Err(CrossingError::Input {
+        let refused = self.refused().or_else(|| self.refused_end());
+        match refused.or_else(|| self.refused_start()) {
+            Some((key, value, allowed)) => Err(CrossingError::Input {
                 key,
                 value,
                 allowed,
-            });
+            }),
+            None => Ok(()),
         }
-        self.check_ends()?;
-        self.check_start()
     }
 
     /// The first number that is not allowed.
-    fn refused(&self) -> Option<(&'static str, f64, &'static str)> {
+    fn refused(&self) -> Option<Refused> {
         let (jumps, rates, zones) = (self.course.jumps, self.rates.len(), self.zones.len());
         let mut bad_rates = self
             .rates
@@ -147,8 +150,8 @@ impl Crossing {
         }
     }
 
-    /// Whether the robot starts on the ground or on a box, and no landing zone runs backwards.
-    fn check_start(&self) -> Result<(), CrossingError> {
+    /// A start that is neither on the ground nor on a box, or a landing zone that runs backwards.
+    fn refused_start(&self) -> Option<Refused> {
         let inside = |o: &course::Obstacle| {
             let under = o.span().widened(-1e-9).clamp(self.course.start) == self.course.start;
             under && self.course.start_height != o.height
@@ -158,41 +161,25 @@ impl Crossing {
             self.course.start_height != 0.0 && !self.course.obstacles.iter().any(carries);
         if is_in_the_air || self.course.obstacles.iter().any(inside) {
             let allowed = "the height of the obstacle on which the start is, or 0 on the ground";
-            return Err(CrossingError::Input {
-                key: "start_height_m",
-                value: self.course.start_height,
-                allowed,
-            });
+            return Some(("start_height_m", self.course.start_height, allowed));
         }
-        let backwards = self
+        let zone = self
             .zones
             .iter()
             .flatten()
-            .find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite());
-        match backwards {
-            Some(zone) => Err(CrossingError::Input {
-                key: "land.to_x_m",
-                value: zone.high,
-                allowed: "finite and not before its from_x_m",
-            }),
-            None => Ok(()),
-        }
+            .find(|z| z.is_empty() || !z.low.is_finite() || !z.high.is_finite())?;
+        let allowed = "finite and not before its from_x_m";
+        Some(("land.to_x_m", zone.high, allowed))
     }
 
-    /// Whether there is room between the margins of the goal and of each landing zone.
-    fn check_ends(&self) -> Result<(), CrossingError> {
+    /// A goal or landing zone without room between its margins.
+    fn refused_end(&self) -> Option<Refused> {
         let narrow = |span: Span| span.width() > 0.0 && span.width() <= 2.0 * self.edge_margin;
         let wider = "more than 2 edge_margin_m beyond its beginning";
         let ends = [("goal_to_x_m", Some(self.course.goal))].into_iter();
         let mut ends = ends.chain(self.zones.iter().map(|zone| ("land.to_x_m", *zone)));
-        if let Some((key, Some(span))) = ends.find(|(_, span)| span.is_some_and(narrow)) {
-            return Err(CrossingError::Input {
-                key,
-                value: span.high,
-                allowed: wider,
-            });
-        }
-        Ok(())
+        let (key, span) = ends.find(|(_, span)| span.is_some_and(narrow))?;
+        Some((key, span?.high, wider))
     }
 
     /// The launch of jump number `jump`.

@@ -56,31 +56,27 @@ struct Decided {
 impl<'a> Roller<'a> {
     pub(super) fn new(planner: &'a Planner<dyn JumpModel>, crossing: &'a Crossing) -> Roller<'a> {
         let angles = crossing.firing_angles;
+        let jumps = crossing.course.jumps;
         let sample = |jump: usize| {
             [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
                 let launches: Vec<Launch> = (0..SAMPLES)
                     .map(|i| angles.low + angles.width() * i as f64 / (SAMPLES - 1) as f64)
                     .map(|angle| crossing.launch(jump, [angle, valve_open]))
                     .collect();
-                planner
-                    .jumps(&launches)
-                    .into_iter()
-                    .filter_map(Result::ok)
-                    .collect()
+                let flown = planner.jumps(&launches).into_iter();
+                flown.filter_map(Result::ok).collect()
             })
         };
         // Jumps at the same rate share their samples.
         let mut samples: Vec<[Vec<Jump>; 2]> = Vec::new();
-        for jump in 0..crossing.course.jumps {
-            let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
-            samples.push(twin.map_or_else(|| sample(jump), |k| samples[k].clone()));
-        }
-        let jumps = crossing.course.jumps;
-        let grid = |jump: usize| Rc::new(Grid::new(planner, crossing, jump));
         let mut grids: Vec<Rc<Grid>> = Vec::new();
+        let twin = |jump: usize| (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
         for jump in 0..jumps {
-            let twin = (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
-            grids.push(twin.map_or_else(|| grid(jump), |k| grids[k].clone()));
+            samples.push(twin(jump).map_or_else(|| sample(jump), |k| samples[k].clone()));
+        }
+        for jump in 0..jumps {
+            let grid = || Rc::new(Grid::new(planner, crossing, jump));
+            grids.push(twin(jump).map_or_else(grid, |k| grids[k].clone()));
         }
         let remembered = RefCell::new((0..jumps).map(|_| Vec::new()).collect());
         Roller {

@@ -121,8 +121,7 @@ macro_rules! terms {
 
 terms! {
     /// Mass m (kg), with all legs.
-    Mass = Spec::needed("body.mass", MASS, at!(robot, body.mass))
-        .within(|_| Domain::POSITIVE)
+    Mass = Spec::positive("body.mass", MASS, at!(robot, body.mass))
         .shown("mass_kg = 2.75", "with all legs")
         .cause("mass", "the mass differs", |r, now| {
             let legs = f64::from(r.body.legs) * r.leg.body.mass;
@@ -138,8 +137,7 @@ terms! {
         })
         .hidden(&[0.03, 0.16]);
     /// Foot to wheel centre with the leg retracted, r_s (m).
-    Radius = Spec::needed("body.wheel_radius", LENGTH, at!(robot, body.radius))
-        .within(|_| Domain::POSITIVE)
+    Radius = Spec::positive("body.wheel_radius", LENGTH, at!(robot, body.radius))
         .shown("wheel_radius_m = 0.24", "foot to wheel centre with the leg retracted");
     /// Distance of the wheel's centre of mass from the axle (m).
     Imbalance = Spec::optional("body.imbalance", LENGTH, at!(robot, body.imbalance))
@@ -161,8 +159,7 @@ terms! {
         .hidden(&[1.5]);
 
     /// Greatest extension of the leg (m).
-    Stroke = Spec::needed("leg.stroke", LENGTH, at!(robot, leg.stroke))
-        .within(|_| Domain::POSITIVE)
+    Stroke = Spec::positive("leg.stroke", LENGTH, at!(robot, leg.stroke))
         .shown("stroke_m = 0.06", "");
     /// From the command to the first flow or force, t_d (s).
     Delay = Spec::needed("leg.valve_delay", TIME, at!(robot, leg.delay))
@@ -219,15 +216,12 @@ terms! {
     HeatRatio = Spec::needed("leg.gas.heat_ratio", NUMBER, at!(cylinder, gas.heat_ratio))
         .within(|_| Domain::above(1.0));
     /// Specific gas constant R_g (J/(kg K)).
-    GasConstant = Spec::needed("leg.gas.constant", GAS_CONSTANT, at!(cylinder, gas.constant))
-        .within(|_| Domain::POSITIVE);
+    GasConstant = Spec::positive("leg.gas.constant", GAS_CONSTANT, at!(cylinder, gas.constant));
     /// Bore diameter (m).
-    Bore = Spec::needed("leg.bore", LENGTH, Lens { has: has_piston, ..at!(cylinder, bore) })
-        .within(|_| Domain::POSITIVE)
+    Bore = Spec::positive("leg.bore", LENGTH, Lens { has: has_piston, ..at!(cylinder, bore) })
         .shown("bore_mm = 19.05", "");
     /// Chamber volume at d = 0, V_0 (m³).
-    DeadVolume = Spec::needed("leg.dead_volume", VOLUME, at!(cylinder, dead_volume))
-        .within(|_| Domain::POSITIVE)
+    DeadVolume = Spec::positive("leg.dead_volume", VOLUME, at!(cylinder, dead_volume))
         .shown("dead_volume_cm3 = 5.4", "of the chamber, leg retracted")
         .cause("dead-volume", "the volume of the chamber at rest differs", |_, now| {
             direct(now, (1e-8, 1e-3), 1e-7, &[0.5 * now, 2.0 * now])
@@ -250,12 +244,10 @@ terms! {
             })
             .hidden(&[0.25, 0.95]);
     /// Radius of the valve's orifice (m).
-    OrificeRadius = Spec::needed("leg.orifice_radius", LENGTH, at!(cylinder, orifice_radius))
-        .within(|_| Domain::POSITIVE)
+    OrificeRadius = Spec::positive("leg.orifice_radius", LENGTH, at!(cylinder, orifice_radius))
         .shown("orifice_radius_mm = 1.02", "of the valve");
     /// Gas temperature T (K).
-    Temperature = Spec::needed("leg.gas_temperature", TEMPERATURE, at!(cylinder, temperature))
-        .within(|_| Domain::POSITIVE)
+    Temperature = Spec::positive("leg.gas_temperature", TEMPERATURE, at!(cylinder, temperature))
         .shown("gas_temperature_k = 293.15", "");
     /// Fall of the supply pressure with the mass flow drawn (Pa s/kg).
     SupplyDroop = Spec::optional("leg.supply_droop", PRESSURE_PER_FLOW, at!(cylinder, supply_droop))
@@ -301,22 +293,19 @@ terms! {
         .hidden(&[1.4e-4])
         .drawn_to(0.2);
     /// Stiffness of a spring leg (N/m).
-    SpringStiffness = Spec::needed(
+    SpringStiffness = Spec::positive(
         "leg.stiffness",
         STIFFNESS,
         at!(drive, Drive::Spring { stiffness, .. } => stiffness),
-    )
-    .within(|_| Domain::POSITIVE);
+    );
     /// Compression of a spring leg at d = 0 (m).
-    Compression = Spec::needed(
+    Compression = Spec::positive(
         "leg.compression",
         LENGTH,
         at!(drive, Drive::Spring { compression, .. } => compression),
-    )
-    .within(|_| Domain::POSITIVE);
+    );
     /// Force of a leg of constant force (N).
-    Force = Spec::needed("leg.force", FORCE, at!(drive, Drive::Constant { force } => force))
-        .within(|_| Domain::POSITIVE);
+    Force = Spec::positive("leg.force", FORCE, at!(drive, Drive::Constant { force } => force));
     /// Length of a leg's moving part (m), a cylinder along the leg.
     RodLength = Spec::optional("leg.rod_length", LENGTH, at!(robot, leg.body.length))
         .shown("rod_length_m = 0.1", "of its moving part, a cylinder along the leg")
@@ -384,19 +373,17 @@ terms! {
     )
     .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
     /// Effective area of the exhaust port (m²).
-    PortArea = Spec::needed("leg.exhaust_port.area", AREA, Lens { has: has_piston, ..at!(cylinder, exhaust_port => area) })
-        .within(|_| Domain::POSITIVE)
+    PortArea = Spec::positive("leg.exhaust_port.area", AREA, Lens { has: has_piston, ..at!(cylinder, exhaust_port => area) })
         .shown("area_mm2 = 20", "effective")
         .cause("exhaust-port", "", |_, _| direct(0.0, (1e-8, 1e-3), 5e-6, &[2e-5]))
     .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.exhaust_port.is_none()));
 
     /// Force of a muscle at full length for each pascal (N/Pa).
-    MuscleForce = Spec::needed(
+    MuscleForce = Spec::positive(
         "leg.muscle.force",
         FORCE_PER_PRESSURE,
         Lens { has: has_muscle, ..at!(cylinder, muscle => force) },
-    )
-    .within(|_| Domain::POSITIVE);
+    );
     /// Its fall with the contraction at full length, for each pascal (N/(Pa m)).
     MuscleSlope = Spec::needed(
         "leg.muscle.slope",
@@ -436,8 +423,7 @@ terms! {
         })
         .seen_in(has_tube);
     /// Inner diameter of that tube (m).
-    TubeDiameter = Spec::needed("leg.tube.diameter", LENGTH, at!(cylinder, tube => diameter))
-        .within(|_| Domain::POSITIVE)
+    TubeDiameter = Spec::positive("leg.tube.diameter", LENGTH, at!(cylinder, tube => diameter))
         .shown("diameter_mm = 4", "inside")
         .cause("tube", "", |_, now| {
             direct(now, (0.25 * now, 4.0 * now), 0.01 * now, &[0.7 * now, 1.4 * now])
@@ -508,8 +494,7 @@ terms! {
         })
         .hidden(&[0.05, 1.8]);
     /// Length of the boom from its base to the axle, L (m).
-    BoomLength = Spec::needed("boom.length", LENGTH, at!(boom, length))
-        .within(|_| Domain::POSITIVE)
+    BoomLength = Spec::positive("boom.length", LENGTH, at!(boom, length))
         .shown("length_m = 2.12", "base to axle");
     /// Radius of the boom's cylinder (m).
     BoomRadius = Spec::optional("boom.radius", LENGTH, at!(boom, radius))
@@ -535,12 +520,11 @@ terms! {
         .cause("boom-flex", "", |_, now| direct(now, (0.0, 0.01), 2e-4, &[5e-4; 20]))
     .seen_in(|r| r.boom.is_some_and(|boom| boom.flex.is_none()));
     /// Distance of the counterweight behind the boom's base, l (m).
-    CounterweightDistance = Spec::needed(
+    CounterweightDistance = Spec::positive(
         "boom.counterweight.distance",
         LENGTH,
         at!(boom, counterweight => distance),
     )
-    .within(|_| Domain::POSITIVE)
     .shown("distance_m = 0.4", "")
     .cause("counterweight", "a counterweight carries a part of the weight", |_, _| {
         direct(0.5, (0.05, 3.0), 0.05, &[0.5])
@@ -659,8 +643,7 @@ terms! {
         })
         .hidden(&[8.3, 11.3]);
     /// Ambient pressure P_a (Pa).
-    Ambient = Spec::needed("environment.ambient_pressure", PRESSURE, at!(robot, environment.ambient.0))
-        .within(|_| Domain::POSITIVE)
+    Ambient = Spec::positive("environment.ambient_pressure", PRESSURE, at!(robot, environment.ambient.0))
         .shown("ambient_pressure_pa = 101325", "absolute");
     /// Drag per mass in flight, c in −c |v| v (1/m).
     Drag = Spec::optional("environment.drag", PER_LENGTH, at!(robot, environment.drag))

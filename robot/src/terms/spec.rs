@@ -126,6 +126,10 @@ impl Spec {
         }
     }
 
+    pub(super) const fn positive(key: &'static str, quantity: Quantity, lens: Lens) -> Spec {
+        Spec::needed(key, quantity, lens).within(|_| Domain::POSITIVE)
+    }
+
     pub(super) const fn optional(key: &'static str, quantity: Quantity, lens: Lens) -> Spec {
         Spec::needed(key, quantity, lens).without(|_| Some(0.0))
     }

@@ -246,7 +246,7 @@ fn link(mut s: Section, name: String, parent: Option<usize>) -> Result<Link, Rob
     };
     let inertia = s.optional("inertia", INERTIA, INERTIAS);
     let carried = s.optional("counterweight", MASS, MASSES);
-    let carried_at = s.pair("counterweight_at", LENGTH);
+    let carried_at = s.array("counterweight_at", LENGTH);
     if carried.is_some() && carried_at.is_none() {
         s.missing(&["counterweight_at_m"], "a list of two numbers");
     } else if carried.is_none() && carried_at.is_some() {
@@ -257,7 +257,7 @@ fn link(mut s: Section, name: String, parent: Option<usize>) -> Result<Link, Rob
             name: joint_name,
             parent,
             way,
-            at: s.pair("at", LENGTH).unwrap_or_default(),
+            at: s.array("at", LENGTH).unwrap_or_default(),
             angle: s
                 .optional("angle", ANGLE, Domain::within(10.0))
                 .unwrap_or(0.0),
@@ -265,7 +265,7 @@ fn link(mut s: Section, name: String, parent: Option<usize>) -> Result<Link, Rob
             damping: damping.unwrap_or(0.0),
         },
         mass: s.number("mass", MASS, MASSES),
-        center: s.pair("centre", LENGTH).unwrap_or_default(),
+        center: s.array("centre", LENGTH).unwrap_or_default(),
         inertia: inertia.map_or(Inertia::Unknown, Inertia::Center),
         counterweight: carried.zip(carried_at).map(|(mass, at)| Counterweight {
             name: name.clone(),
@@ -289,7 +289,7 @@ fn is_back(s: &mut Section) -> bool {
 
 /// The unit vector `along`.
 fn along(s: &mut Section) -> [f64; 2] {
-    let Some([x, y]) = s.pair("along", NUMBER) else {
+    let Some([x, y]) = s.array("along", NUMBER) else {
         s.missing(&["along"], "a direction forward and up, as in [1, 0]");
         return [1.0, 0.0];
     };
@@ -428,7 +428,7 @@ impl Names<'_> {
             What::Place(axis) => (
                 Shows::Place {
                     link,
-                    at: s.pair("at", LENGTH).unwrap_or_default(),
+                    at: s.array("at", LENGTH).unwrap_or_default(),
                     axis,
                 },
                 "_m",

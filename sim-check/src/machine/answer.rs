@@ -30,12 +30,7 @@ impl Machine<'_> {
             for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
                 let grip = mode.contacts[touch.contact].grips[axis];
                 if standing > 0.0 && grip != Grip::Held {
-                    let speed = if width == 2 {
-                        touch.speeds.y.hypot(touch.speeds.z)
-                    } else {
-                        touch.speeds[1 + axis].abs()
-                    };
-                    self.powers[CONTACT_LOSS] += slipping * normal * speed;
+                    self.powers[CONTACT_LOSS] += slipping * normal * touch.slip(axis, width);
                 }
             }
         }
@@ -43,10 +38,12 @@ impl Machine<'_> {
 
     /// The force (N) along the normal of contact `c`, 0 where it has none.
     pub(crate) fn normal_force(&self, c: usize) -> f64 {
-        self.force_of(Owner::Normal(c))
-            .first()
-            .copied()
-            .unwrap_or(0.0)
+        self.first_force_of(Owner::Normal(c))
+    }
+
+    /// The force of the first row of `owner`, 0 where it has none.
+    pub(crate) fn first_force_of(&self, owner: Owner) -> f64 {
+        self.force_of(owner).first().copied().unwrap_or(0.0)
     }
 
     /// The forces of the rows of `owner`.

@@ -115,6 +115,17 @@ pub(crate) struct Touch {
     pub spring: Option<f64>,
 }
 
+impl Touch {
+    /// Speed (m/s) at which it slips along an axis of friction of so many rows.
+    fn slip(&self, axis: usize, width: usize) -> f64 {
+        if width == 2 {
+            self.speeds.y.hypot(self.speeds.z)
+        } else {
+            self.speeds[1 + axis].abs()
+        }
+    }
+}
+
 /// Joints that rest, taken to stay so in a fixed step, and what tells whether they do.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Folded {
@@ -353,8 +364,18 @@ impl<'a> Machine<'a> {
 
     /// Mass matrix, forces and constraint rows at `y`.
     pub(crate) fn assemble(&mut self, y: &[f64], mode: &Mode, rows: Rows) {
+        self.apply_all(y, mode);
+        self.sound = cholesky(&mut self.mass, self.welded.tree.velocities());
+        self.touch(mode);
+        self.clear_rows();
+        self.contact_rows(mode, rows);
+        self.joint_rows(mode, rows);
+        self.couple(rows);
+    }
+
+    /// Mass matrix and forces at `y`, without those of the rows.
+    fn apply_all(&mut self, y: &[f64], mode: &Mode) {
         self.place(y);
-        let n = self.n();
         self.pose.equations(
             &self.welded.tree,
             &self.mechanism.gravity,
@@ -365,12 +386,6 @@ impl<'a> Machine<'a> {
         self.powers.fill(0.0);
         self.apply_joints(y, mode);
         self.apply_drag();
-        self.sound = cholesky(&mut self.mass, n);
-        self.touch(mode);
-        self.clear_rows();
-        self.contact_rows(mode, rows);
-        self.joint_rows(mode, rows);
-        self.couple(rows);
     }
 
     /// Puts the welded tree where `y` says.

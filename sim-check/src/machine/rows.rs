@@ -174,41 +174,39 @@ impl Machine<'_> {
         }
     }
 
-    pub(super) fn rigid_rows(&mut self, touch: &Touch, mode: &Mode, rows: Rows) {
-        let c = touch.contact;
-        let (point, _) = self.pairs[c];
-        let body = self.points[point].0;
+    /// Adds the row of a rigid contact's normal: its body, the acceleration of its place where all v̇
+    /// are 0, and which row it is.
+    pub(super) fn normal_row(&mut self, touch: &Touch) -> (Option<usize>, Vec3, usize) {
+        let body = self.points[self.pairs[touch.contact].0].0;
         let bias = self.contact_bias(touch, body);
-        let normal = self.problem.rows;
-        self.push_row(
-            Owner::Normal(c),
-            body,
-            &touch.place,
-            &touch.normal,
-            bias.x,
-            touch.speeds.x,
-        );
+        let row = self.problem.rows;
+        let (owner, speed) = (Owner::Normal(touch.contact), touch.speeds.x);
+        self.push_row(owner, body, &touch.place, &touch.normal, bias.x, speed);
         self.problem.elements.push(Element {
-            row: normal,
+            row,
             bounds: Bounds::Between(0.0, f64::INFINITY),
             grip: Grip::Held,
         });
-        let grips = mode.contacts[c].grips;
+        (body, bias, row)
+    }
+
+    /// Whether a contact has rows of friction along an axis; else it slips there.
+    fn stands(&self, touch: &Touch, (axis, width): (usize, usize), grip: Grip, rows: Rows) -> bool {
+        match rows {
+            Rows::Holding => grip == Grip::Held,
+            Rows::Candidates => touch.slip(axis, width) <= self.standing,
+            Rows::Impact => true,
+        }
+    }
+
+    fn rigid_rows(&mut self, touch: &Touch, mode: &Mode, rows: Rows) {
+        let (body, bias, normal) = self.normal_row(touch);
+        let grips = mode.contacts[touch.contact].grips;
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
             if standing == 0.0 {
                 continue;
             }
-            let speed = if width == 2 {
-                touch.speeds.y.hypot(touch.speeds.z)
-            } else {
-                touch.speeds[1 + axis].abs()
-            };
-            let stands = match rows {
-                Rows::Holding => grips[axis] == Grip::Held,
-                Rows::Candidates => speed <= self.standing,
-                Rows::Impact => true,
-            };
-            if stands {
+            if self.stands(touch, (axis, width), grips[axis], rows) {
                 let row = self.problem.rows;
                 self.tangent_rows(touch, axis, width, body, &bias);
                 self.problem.elements.push(Element {
@@ -274,17 +272,7 @@ impl Machine<'_> {
             if standing == 0.0 || (rows == Rows::Impact && standing.is_finite()) {
                 continue;
             }
-            let speed = if width == 2 {
-                touch.speeds.y.hypot(touch.speeds.z)
-            } else {
-                touch.speeds[1 + axis].abs()
-            };
-            let stands = match rows {
-                Rows::Holding => grips[axis] == Grip::Held,
-                Rows::Candidates => speed <= self.standing,
-                Rows::Impact => true,
-            };
-            if stands {
+            if self.stands(touch, (axis, width), grips[axis], rows) {
                 let row = self.problem.rows;
                 self.tangent_rows(touch, axis, width, body, &bias);
                 let limit = if standing.is_finite() {
@@ -337,11 +325,7 @@ impl Machine<'_> {
                 (Rows::Candidates, JointMode::Free | JointMode::Sliding(_)) if dry == 0.0 => {
                     continue;
                 }
-                (Rows::Candidates, JointMode::Held(stop)) => match stop {
-                    Stop::Low => Bounds::Between(-dry, f64::INFINITY),
-                    Stop::High => Bounds::Between(f64::NEG_INFINITY, dry),
-                    Stop::Between => Bounds::Between(-dry, dry),
-                },
+                (Rows::Candidates, JointMode::Held(stop)) => at_stop(stop, dry),
                 (Rows::Candidates, JointMode::Sliding(sign)) => {
                     // Its friction is decided anew.
                     self.free[k] += sign * dry;
@@ -429,5 +413,14 @@ pub(super) fn slide(touch: &Touch, axis: usize, width: usize, grip: Grip) -> Vec
             };
             (touch.along * touch.speeds.y + touch.across * touch.speeds.z) / speed.copysign(ahead)
         }
+    }
+}
+
+/// What holds a joint at a stop with dry friction.
+pub(super) fn at_stop(stop: Stop, dry: f64) -> Bounds {
+    match stop {
+        Stop::Low => Bounds::Between(-dry, f64::INFINITY),
+        Stop::High => Bounds::Between(f64::NEG_INFINITY, dry),
+        Stop::Between => Bounds::Between(-dry, dry),
     }
 }

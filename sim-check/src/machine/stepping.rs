@@ -8,6 +8,7 @@
 //! Source: Jean & Moreau, Unilaterality and dry friction in the dynamics of rigid body collections
 //! (1992); Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008), chapter 10.
 
+use super::rows::at_stop;
 use super::{CONTACT_LOSS, JOINT_LOSS, Machine, Owner, STANDING, Touch};
 use crate::complementarity::{Bounds, Element, Grip};
 use crate::contact::Friction;
@@ -37,25 +38,14 @@ impl Machine<'_> {
         h: f64,
         folds: bool,
     ) {
-        self.place(middle);
-        let n = self.n();
         self.start.clear();
         let v = self.layout.v(start);
         self.start
             .extend(self.welded.velocities.iter().map(|&full| v[full]));
-        self.pose.equations(
-            &self.welded.tree,
-            &self.mechanism.gravity,
-            &mut self.mass,
-            &mut self.free,
-        );
-        self.free.iter_mut().for_each(|x| *x = -*x);
-        self.powers.fill(0.0);
-        self.apply_joints(middle, mode);
-        self.apply_drag();
+        self.apply_all(middle, mode);
         self.soften(acceleration, h);
         self.fold(mode, folds);
-        self.sound = cholesky(&mut self.mass, n);
+        self.sound = cholesky(&mut self.mass, self.welded.tree.velocities());
         self.touch(mode);
         self.clear_rows();
         for i in 0..self.touches.len() {
@@ -149,23 +139,7 @@ impl Machine<'_> {
 
     fn contact_step_rows(&mut self, touch: &Touch, mode: &Mode) {
         let c = touch.contact;
-        let body = self.points[self.pairs[c].0].0;
-        let bias = self.contact_bias(touch, body);
-        let normal = self.problem.rows;
-        self.push_row(
-            Owner::Normal(c),
-            body,
-            &touch.place,
-            &touch.normal,
-            bias.x,
-            touch.speeds.x,
-        );
-        let bounds = Bounds::Between(0.0, f64::INFINITY);
-        self.problem.elements.push(Element {
-            row: normal,
-            bounds,
-            grip: Grip::Held,
-        });
+        let (body, bias, normal) = self.normal_row(touch);
         for (axis, (standing, slipping, width)) in self.friction().into_iter().enumerate() {
             if standing == 0.0 {
                 continue;
@@ -196,12 +170,7 @@ impl Machine<'_> {
                 continue;
             }
             let dry = self.dry_friction(body) * h;
-            let bounds = match stop {
-                Stop::Low => Bounds::Between(-dry, f64::INFINITY),
-                Stop::High => Bounds::Between(f64::NEG_INFINITY, dry),
-                Stop::Between => Bounds::Between(-dry, dry),
-            };
-            self.push_joint_row(body, k, bounds);
+            self.push_joint_row(body, k, at_stop(stop, dry));
         }
     }
 

@@ -9,7 +9,7 @@ use crate::linear::{cholesky, forward};
 use crate::rig::Rig;
 use crate::spatial::Vec3;
 use crate::tree::{Joint, Pose};
-use crate::xml::{Attribute, number, numbers};
+use crate::xml::{number, numbers};
 
 /// Least impedance of a constraint.
 ///
@@ -22,20 +22,17 @@ pub(super) const FRICTION_STIFFER: f64 = 1e8;
 /// How fast (1/s) friction takes a slip away, over one over the time step: twice that would ring.
 const GRIP: f64 = 0.5;
 
-/// What a pair of a foot and the ground has for a spring of `stiffness` (N/m) and a damper of `damping` (N s/m), in time steps of
+/// The attributes, each after a space, of a pair of a foot and the ground for a spring of `stiffness` (N/m) and a damper of `damping` (N s/m), in time steps of
 /// `step` (s); `mobility` (1/kg) is [`mobility`].
-pub(super) fn pair((stiffness, damping): (f64, f64), mobility: f64, step: f64) -> [Attribute; 3] {
+pub(super) fn pair((stiffness, damping): (f64, f64), mobility: f64, step: f64) -> String {
     let scale = -(1.0 - SOFTEST) * mobility;
     // Friction has no spring, so that the first number has no meaning; 0 would be taken for the usual form.
     let grip = -GRIP / step * SOFTEST;
-    [
-        ("solref", numbers(&[stiffness * scale, damping * scale])),
-        ("solreffriction", numbers(&[grip, grip])),
-        (
-            "solimp",
-            format!("{SOFTEST} {SOFTEST} 0.001 0.5 2", SOFTEST = number(SOFTEST)),
-        ),
-    ]
+    let normal = numbers(&[stiffness * scale, damping * scale]);
+    let (friction, softest) = (numbers(&[grip, grip]), number(SOFTEST));
+    format!(
+        r#" solref="{normal}" solreffriction="{friction}" solimp="{softest} {softest} 0.001 0.5 2""#
+    )
 }
 
 /// The mobility w (1/kg) of `body` as MuJoCo's compiler works it out: how much a force on its centre of mass moves that, the mean

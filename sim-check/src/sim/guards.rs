@@ -150,11 +150,7 @@ pub(super) fn joint_guards(
         match *joint {
             JointMode::Latched => continue,
             JointMode::Held(stop) => {
-                let hold = machine
-                    .force_of(Owner::Joint(body))
-                    .first()
-                    .copied()
-                    .unwrap_or(0.0);
+                let hold = machine.first_force_of(Owner::Joint(body));
                 let dry = machine.dry_friction(body);
                 let room = match stop {
                     Stop::Low => hold + dry,

@@ -15,6 +15,7 @@ use self::fixed::Fixed;
 use self::guards::Guard;
 use self::start::{check_start, first_mode};
 use crate::SimError;
+use crate::error::{length, not_negative, require};
 use crate::machine::{Layout, Machine, OUTSIDE, Owner};
 use crate::mechanism::Mechanism;
 use crate::mode::{JointMode, Mode};
@@ -301,25 +302,11 @@ impl<'a> Sim<'a> {
     /// # Errors
     /// [`SimError`] for other bodies, points, surfaces or legs.
     pub fn change(&mut self, mechanism: &'a Mechanism) -> Result<(), SimError> {
-        let now = self.machine.mechanism;
-        for (name, given, wanted) in [
-            (
-                "bodies",
-                mechanism.tree.bodies().len(),
-                now.tree.bodies().len(),
-            ),
-            ("legs", mechanism.legs.len(), now.legs.len()),
-            ("points", mechanism.points.len(), now.points.len()),
-            ("surfaces", mechanism.surfaces.len(), now.surfaces.len()),
-        ] {
-            if given != wanted {
-                return Err(SimError::Length {
-                    name,
-                    given,
-                    wanted,
-                });
-            }
-        }
+        let (new, now) = (mechanism, self.machine.mechanism);
+        length("bodies", new.tree.bodies().len(), now.tree.bodies().len())?;
+        length("legs", new.legs.len(), now.legs.len())?;
+        length("points", new.points.len(), now.points.len())?;
+        length("surfaces", new.surfaces.len(), now.surfaces.len())?;
         mechanism.check(self.layout.q(&self.y))?;
         let stored = |l: &Ledger| l.kinetic + l.potential + l.springs;
         let before = stored(&self.ledger());
@@ -350,14 +337,7 @@ impl<'a> Sim<'a> {
     /// number ≥ 0.
     pub fn fire(&mut self, leg: usize, opening: f64) -> Result<(), SimError> {
         self.require_leg(leg)?;
-        if !(opening >= 0.0 && opening.is_finite()) {
-            let name = "valve opening time (s)".into();
-            return Err(SimError::Input {
-                name,
-                value: opening,
-                allowed: "a finite number ≥ 0",
-            });
-        }
+        not_negative("valve opening time (s)", opening)?;
         let drive = &self.machine.mechanism.legs[leg].leg;
         let (begins, ends) = drive.answers(self.time, opening);
         let ends = ends.map(|ends| (ends, leg, false));
@@ -382,14 +362,8 @@ impl<'a> Sim<'a> {
     }
 
     fn require_leg(&self, leg: usize) -> Result<(), SimError> {
-        if leg < self.layout.legs {
-            return Ok(());
-        }
-        Err(SimError::Input {
-            name: "leg".into(),
-            value: leg as f64,
-            allowed: "the number of a leg",
-        })
+        let is_there = leg < self.layout.legs;
+        require(is_there, "leg", leg as f64, "the number of a leg")
     }
 
     fn sort_commands(&mut self) {
@@ -418,13 +392,7 @@ impl<'a> Sim<'a> {
         until: f64,
         watches: &[Watch<'_>],
     ) -> Result<Option<Pause>, SimError> {
-        if until.is_nan() {
-            return Err(SimError::Input {
-                name: "time to run until (s)".into(),
-                value: until,
-                allowed: "a number",
-            });
-        }
+        require(!until.is_nan(), "time to run until (s)", until, "a number")?;
         while self.time < until {
             let events = self.events.len();
             if let Some(&(at, leg, on)) = self.commands.last()

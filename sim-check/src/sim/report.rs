@@ -132,11 +132,7 @@ impl Sim<'_> {
     /// The force (N or N m) that holds the joint of `body`, 0 where it moves.
     pub fn joint_reaction(&mut self, body: usize) -> f64 {
         self.machine.look(&self.y, &self.mode);
-        self.machine
-            .force_of(Owner::Joint(body))
-            .first()
-            .copied()
-            .unwrap_or(0.0)
+        self.machine.first_force_of(Owner::Joint(body))
     }
 
     /// Work and energy.

@@ -4,7 +4,7 @@ use saltus_pneumatics::Piece;
 
 use super::{Settings, Sim, Stepping};
 use crate::SimError;
-use crate::error::{not_negative, positive, require};
+use crate::error::{length, not_negative, positive, require};
 use crate::feeding::{put_gas, put_tank};
 use crate::machine::{Layout, STANDING};
 use crate::mechanism::Mechanism;
@@ -25,13 +25,7 @@ impl Sim<'_> {
     /// Puts the legs where a motion has brought them, before it is decided who holds and who moves.
     pub(super) fn start_legs(&mut self, legs: &[LegStart]) -> Result<(), SimError> {
         let mechanism = self.machine.mechanism;
-        if legs.len() != mechanism.legs.len() {
-            return Err(SimError::Length {
-                name: "legs at the start",
-                given: legs.len(),
-                wanted: mechanism.legs.len(),
-            });
-        }
+        length("legs at the start", legs.len(), mechanism.legs.len())?;
         for (i, (part, start)) in mechanism.legs.iter().zip(legs).enumerate() {
             positive("chamber pressure at the start (Pa)", start.pressure)?;
             let extension = self.y[mechanism.tree.coordinate_of(part.body)];
@@ -178,18 +172,8 @@ pub(super) fn check_start(
 }
 
 fn check_state(tree: &Tree, q: &[f64], v: &[f64]) -> Result<(), SimError> {
-    for (name, given, wanted) in [
-        ("coordinates", q.len(), tree.coordinates()),
-        ("velocities", v.len(), tree.velocities()),
-    ] {
-        if given != wanted {
-            return Err(SimError::Length {
-                name,
-                given,
-                wanted,
-            });
-        }
-    }
+    length("coordinates", q.len(), tree.coordinates())?;
+    length("velocities", v.len(), tree.velocities())?;
     for (name, list) in [("coordinate", q), ("velocity", v)] {
         for x in list {
             require(x.abs() < 1e9, name, *x, "a finite number below 1e9")?;

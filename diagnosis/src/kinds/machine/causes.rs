@@ -5,7 +5,7 @@ use super::plant::{Change, guess};
 use super::sizes::Sizes;
 use super::{is_angle, named};
 use crate::kind::{Cause, Channel, Terms};
-use crate::kinds::{Causes, FREE, sensor, simple, unknown};
+use crate::kinds::{Causes, FREE, causes, delay, gain, offset, share, simple, unknown};
 use crate::mechanism::{Inertia, Joint, Link, Mechanism, Shows};
 
 /// What a cause does, with the index of its link, joint, spring, drive or channel.
@@ -59,14 +59,8 @@ pub(super) fn of(
         if has_unknown_inertia(mechanism, k) {
             let (rod, name) = (guess(link), named(&link.name, "inertia_about_centre_kg_m2"));
             let first = likely.inertia[k].clamp(2e-3 * rod, 50.0 * rod);
-            let cause = simple(
-                "inertia",
-                &name,
-                first,
-                (1e-3 * rod, 100.0 * rod),
-                0.05 * rod,
-                &[],
-            );
+            let bounds = (1e-3 * rod, 100.0 * rod);
+            let cause = simple("inertia", &name, first, bounds, 0.05 * rod, &[]);
             all.common.push((Effect::Unknown(k), cause));
         }
         all.named.extend(of_link(mechanism, k, sizes));
@@ -76,39 +70,33 @@ pub(super) fn of(
         if link.joint.turns() && link.joint.parent.is_none() {
             let size = sizes.torque[k];
             let name = "torque in the first joint, -c sin(2 q)";
-            let term = simple(
-                name,
-                "c_n_m",
-                0.0,
-                (-100.0 * size, 100.0 * size),
-                1e-3 * size,
-                &[],
-            );
+            let bounds = (-100.0 * size, 100.0 * size);
+            let term = simple(name, "c_n_m", 0.0, bounds, 1e-3 * size, &[]);
             all.terms.push((Effect::Second(k), term));
         }
     }
     if is_slope_seen(mechanism) {
-        let slope = simple(
-            "ground-slope",
-            "slope_rad",
-            0.0,
-            (-0.5, 0.5),
-            1e-3,
-            &[-0.05, 0.05],
-        );
+        let (name, starts) = ("slope_rad", [-0.05, 0.05]);
+        let slope = simple("ground-slope", name, 0.0, (-0.5, 0.5), 1e-3, &starts);
         all.named.push((Effect::Slope, slope));
     }
     for (k, channel) in channels.iter().enumerate() {
-        all.named.extend(of_gauge(k, channel));
+        let column = channel.name.as_str();
+        let unit = if is_angle(column) { "rad" } else { "m" };
+        all.named.extend(causes! {
+            Effect::Offset(k) => offset(column, unit, (-1.0, 1.0), 1e-3);
+            Effect::Scale(k) => gain(column);
+            Effect::Delay(k) => delay(column, 0.5, 1e-3);
+        });
     }
     for (k, drive) in mechanism.drives.iter().enumerate() {
-        let size = sizes.torque[drive.joint];
-        all.named.extend(of_drive(
-            k,
-            &drive.column,
-            mechanism.links[drive.joint].joint.turns(),
-            size,
-        ));
+        let turns = mechanism.links[drive.joint].joint.turns();
+        let (column, size) = (&drive.column, sizes.torque[drive.joint]);
+        all.named.extend(causes! {
+            Effect::DriveOffset(k) => offset(column, if turns { "nm" } else { "n" }, FREE, 1e-3 * size);
+            Effect::DriveScale(k) => gain(column);
+            Effect::DriveDelay(k) => delay(column, 0.5, 1e-3);
+        });
     }
     all
 }
@@ -150,10 +138,7 @@ fn is_slope_seen(mechanism: &Mechanism) -> bool {
 /// Causes that are masses and where they are.
 fn of_link(mechanism: &Mechanism, k: usize, sizes: &Sizes) -> Vec<(Effect, Cause)> {
     let link = &mechanism.links[k];
-    let share = |id, name, scale| {
-        let name = named(&link.name, name);
-        simple(id, &name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25])
-    };
+    let share = |id, name, scale| share(id, &named(&link.name, name), scale);
     let mut all = Vec::new();
     let turns = turns_in_the_world(mechanism, k);
     let is_driven = sizes.driven.iter().any(|x| *x != 0.0) || !mechanism.springs.is_empty();
@@ -207,34 +192,15 @@ fn of_joint(
         "viscous_friction_n_s_per_m",
     ];
     let drag = ["drag_n_m_s2_per_rad2", "drag_n_s2_per_m2"];
-    let mut all = vec![
-        (
-            Effect::Dry(k),
-            of(
-                "coulomb-friction",
-                dry,
-                joint.friction,
-                1.0,
-                likely.friction[k],
-            ),
-        ),
-        (
-            Effect::Viscous(k),
-            of(
-                "viscous-friction",
-                viscous,
-                joint.damping,
-                rate,
-                likely.damping[k],
-            ),
-        ),
-    ];
+    let (friction, damping) = (likely.friction[k], likely.damping[k]);
+    let mut all = causes! {
+        Effect::Dry(k) => of("coulomb-friction", dry, joint.friction, 1.0, friction);
+        Effect::Viscous(k) => of("viscous-friction", viscous, joint.damping, rate, damping);
+    };
     if joint.parent.is_none() {
         let unit = size / (rate * rate);
-        all.push((
-            Effect::Drag(k),
-            of("air-drag", drag, 0.0, rate * rate, 0.03 * unit),
-        ));
+        let drag = of("air-drag", drag, 0.0, rate * rate, 0.03 * unit);
+        all.push((Effect::Drag(k), drag));
     }
     let mut has_spring = false;
     for (s, spring) in mechanism
@@ -256,53 +222,10 @@ fn of_joint(
     }
     if !has_spring {
         let name = ["stiffness_n_m_per_rad", "stiffness_n_per_m"];
-        all.push((
-            Effect::Stiffness(k),
-            of("return-spring", name, 0.0, 1.0, 0.03 * size),
-        ));
+        let spring = of("return-spring", name, 0.0, 1.0, 0.03 * size);
+        all.push((Effect::Stiffness(k), spring));
     }
     all
-}
-
-fn of_gauge(k: usize, channel: &Channel) -> [(Effect, Cause); 3] {
-    let own = channel.name.as_str();
-    let offset = if is_angle(own) {
-        "offset_rad"
-    } else {
-        "offset_m"
-    };
-    let of = |id, name, none, bounds, scale| sensor(id, own, name, none, bounds, scale, &[]);
-    let delay = of("sensor-delay", "delay_s", 0.0, (0.0, 0.5), 1e-3);
-    [
-        (
-            Effect::Offset(k),
-            of("sensor-offset", offset, 0.0, (-1.0, 1.0), 1e-3),
-        ),
-        (
-            Effect::Scale(k),
-            of("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
-        ),
-        (Effect::Delay(k), delay),
-    ]
-}
-
-fn of_drive(k: usize, column: &str, turns: bool, size: f64) -> [(Effect, Cause); 3] {
-    let offset = if turns { "offset_nm" } else { "offset_n" };
-    let of = |id, name, none, bounds, scale| sensor(id, column, name, none, bounds, scale, &[]);
-    [
-        (
-            Effect::DriveOffset(k),
-            of("sensor-offset", offset, 0.0, FREE, 1e-3 * size),
-        ),
-        (
-            Effect::DriveScale(k),
-            of("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01),
-        ),
-        (
-            Effect::DriveDelay(k),
-            of("sensor-delay", "delay_s", 0.0, (0.0, 0.5), 1e-3),
-        ),
-    ]
 }
 
 impl Change {

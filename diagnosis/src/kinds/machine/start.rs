@@ -59,11 +59,11 @@ impl Start {
 /// Value and rate of a channel at `time`, by a parabola through its first readings; of few readings
 /// the first one, at rest.
 fn first_seen(log: &Log, channel: usize, time: f64) -> Option<[f64; 2]> {
-    let own = log
-        .readings
-        .iter()
-        .filter(|reading| reading.channel == channel);
-    let points: Vec<[f64; 2]> = own.take(NEAR).map(|r| [r.time, r.value]).collect();
+    let points: Vec<[f64; 2]> = log
+        .of(channel)
+        .take(NEAR)
+        .map(|r| [r.time, r.value])
+        .collect();
     let [first, last] = [points.first()?, points.last()?];
     parabola(&points, time, last[0] - first[0]).or(Some([first[1], 0.0]))
 }
@@ -71,10 +71,7 @@ fn first_seen(log: &Log, channel: usize, time: f64) -> Option<[f64; 2]> {
 /// How long (s) a channel rests at first; none where it moves at once.
 fn rest(log: &Log, channel: usize, spec: &Channel) -> Option<f64> {
     let doubt = DOUBT * spec.noise.max(spec.step);
-    let mut own = log
-        .readings
-        .iter()
-        .filter(|reading| reading.channel == channel);
+    let mut own = log.of(channel);
     let first = own.next()?;
     let (mut count, mut last) = (1, first.time);
     for reading in own {
@@ -228,10 +225,7 @@ fn stretches(run: usize, log: &Log, sensors: &[Option<usize>], length: f64) -> V
     };
     // Time, value.
     let of = |channel: usize| -> Vec<[f64; 2]> {
-        let own = log
-            .readings
-            .iter()
-            .filter(|reading| reading.channel == channel);
+        let own = log.of(channel);
         own.map(|reading| [reading.time, reading.value]).collect()
     };
     let courses: Vec<Vec<[f64; 2]>> = sensors.iter().map(|channel| of(*channel)).collect();

@@ -4,7 +4,8 @@ use super::plant::Row;
 use super::*;
 use crate::fit;
 use crate::folds::folds;
-use crate::mechanism::{Law, Side, Spring};
+use crate::kind::Cause;
+use crate::mechanism::{Law, Side, Spring, Way};
 use crate::settings::Settings;
 use crate::toy::{self, terms};
 

@@ -7,7 +7,8 @@ use saltus_robot::{Cylinder, Gas, GaugePressure, Robot, Term};
 
 use super::Column;
 use crate::experiment::Sort;
-use crate::kind::{Cause, Channel, Form, Parameter};
+use crate::kind::{Cause, Channel, Data, Form};
+use crate::kinds::{amount, offset, simple, unknown};
 use crate::rig::Extra;
 
 /// What a cause does to the model.
@@ -47,31 +48,10 @@ struct List {
     effects: Vec<Effect>,
 }
 
-/// A parameter: name, neutral value, bounds, scale, starts.
-fn parameter(
-    name: &str,
-    neutral: f64,
-    bounds: (f64, f64),
-    scale: f64,
-    starts: &[f64],
-) -> Parameter {
-    Parameter {
-        name: name.into(),
-        neutral,
-        bounds,
-        scale,
-        starts: starts.to_vec(),
-    }
-}
-
 impl List {
     fn add(&mut self, cause: Cause, effect: Effect) {
         self.causes.push(cause);
         self.effects.push(effect);
-    }
-
-    fn one(&mut self, id: &'static str, parameter: Parameter, effect: Effect) {
-        self.add(Cause::one(id, parameter), effect);
     }
 }
 
@@ -86,16 +66,13 @@ fn shows(term: Term, sort: Sort) -> bool {
     }
 }
 
-/// The causes that could show in data of a kind, with what they do.
-///
-/// After those with an id come terms that describe what none of them explains; how many have one is
-/// the last answer.
+/// Puts the causes that could show in data of a kind into `data`; their effects.
 pub(super) fn causes(
+    data: &mut Data,
     sort: Sort,
     robot: &Robot,
     columns: &[Column],
-    channels: &[Channel],
-) -> (Vec<Cause>, Vec<Effect>, usize) {
+) -> Vec<Effect> {
     let mut list = List::default();
     of_terms(&mut list, sort, robot);
     if let Some(cylinder) = robot.leg.cylinder() {
@@ -106,10 +83,11 @@ pub(super) fn causes(
     } else {
         contact(&mut list, robot);
     }
-    sensing(&mut list, sort, columns, channels);
-    let listed = list.causes.len();
+    sensing(&mut list, sort, columns, &data.channels);
+    data.listed = list.causes.len();
     unlisted(&mut list, sort, robot);
-    (list.causes, list.effects, listed)
+    data.causes = list.causes;
+    list.effects
 }
 
 /// The causes in the table of terms; terms of one id are one cause, unless each has a sentence.
@@ -132,7 +110,7 @@ fn of_terms(list: &mut List, sort: Sort, robot: &Robot) {
             TermForm::Direct => (key, Form::Direct),
             TermForm::Inverse(name) => (name.into(), Form::Inverse(key)),
         };
-        let parameter = parameter(&name, fit.neutral, fit.bounds, fit.scale, &starts);
+        let parameter = unknown(&name, fit.neutral, fit.bounds, fit.scale).starting(&starts);
         match (list.causes.last_mut(), list.effects.last_mut()) {
             (Some(last), Some(Effect::Terms(terms)))
                 if last.id == cause.id && cause.sentence.is_empty() =>
@@ -169,24 +147,18 @@ fn cylinder(robot: &mut Robot, change: impl FnOnce(&mut Cylinder)) {
 
 /// The supply, and another gas.
 fn gas(list: &mut List, c: &Cylinder) {
-    list.one(
-        "supply-pressure",
-        parameter(
-            "supply_pressure_offset_pa",
-            0.0,
-            (-2e6, 2e6),
-            5e3,
-            &[-8e4, 8e4],
-        ),
+    let (name, starts) = ("supply_pressure_offset_pa", [-8e4, 8e4]);
+    list.add(
+        simple("supply-pressure", name, 0.0, (-2e6, 2e6), 5e3, &starts),
         Effect::Robot(|r, v| {
             cylinder(r, |c| {
                 c.supply = GaugePressure((c.supply.0 + v[0]).max(1e3));
             });
         }),
     );
-    list.one(
-        "supply-pressure",
-        parameter("supply_pressure_factor", 1.0, (0.2, 3.0), 5e-3, &[0.9, 1.1]),
+    let (name, starts) = ("supply_pressure_factor", [0.9, 1.1]);
+    list.add(
+        simple("supply-pressure", name, 1.0, (0.2, 3.0), 5e-3, &starts),
         Effect::Robot(|r, v| cylinder(r, |c| c.supply = GaugePressure(c.supply.0 * v[0]))),
     );
     let (name, switch): (_, Switch) = if c.gas == Gas::AIR {
@@ -198,8 +170,8 @@ fn gas(list: &mut List, c: &Cylinder) {
             cylinder(r, |c| mix(c, c.gas, Gas::AIR, v[0]));
         })
     };
-    let share = parameter(name, 0.0, (0.8, 1.0), 0.05, &[0.999]);
-    list.one("gas-type", share, Effect::Robot(switch));
+    let share = simple("gas-type", name, 0.0, (0.8, 1.0), 0.05, &[0.999]);
+    list.add(share, Effect::Robot(switch));
 }
 
 /// Fills a cylinder with a mixture of which `b` has `share`.
@@ -216,50 +188,39 @@ fn mix(cylinder: &mut Cylinder, a: Gas, b: Gas, share: f64) {
 
 /// The mass on the bench.
 fn load(list: &mut List) {
-    let factor = parameter("load_factor", 1.0, (0.2, 5.0), 0.01, &[0.8, 1.25]);
-    list.one("mass", factor, Effect::LoadFactor);
-    let added = parameter("load_mass_added_kg", 0.0, (-5.0, 20.0), 0.01, &[-0.2, 0.2]);
-    list.one("mass", added, Effect::LoadAdded);
+    let factor = simple("mass", "load_factor", 1.0, (0.2, 5.0), 0.01, &[0.8, 1.25]);
+    list.add(factor, Effect::LoadFactor);
+    let (name, starts) = ("load_mass_added_kg", [-0.2, 0.2]);
+    let added = simple("mass", name, 0.0, (-5.0, 20.0), 0.01, &starts);
+    list.add(added, Effect::LoadAdded);
 }
 
 /// A centre of mass off the axle, and a foot that slips.
 fn contact(list: &mut List, robot: &Robot) {
     if robot.body.imbalance == 0.0 {
+        let off = |name| unknown(name, 0.0, (-0.08, 0.08), 5e-4);
+        let both = ["imbalance_forward_m", "imbalance_along_leg_m"].map(off);
+        let mut imbalance = Cause::several("imbalance", both.into());
         let names = [Term::Imbalance, Term::ImbalanceAngle].map(|term| term.key(robot));
+        imbalance.form = Form::Polar(names);
         list.add(
-            Cause {
-                form: Form::Polar(names),
-                ..Cause::several(
-                    "imbalance",
-                    vec![
-                        parameter("imbalance_forward_m", 0.0, (-0.08, 0.08), 5e-4, &[]),
-                        parameter("imbalance_along_leg_m", 0.0, (-0.08, 0.08), 5e-4, &[]),
-                    ],
-                )
-            },
+            imbalance,
             Effect::Robot(|r, v| {
                 r.body.imbalance = v[0].hypot(v[1]);
                 r.body.imbalance_angle = v[0].atan2(v[1]);
             }),
         );
     }
+    let friction = unknown("one_over_friction", 0.0, (0.1, 60.0), 0.1);
+    let kinetic = unknown("kinetic_over_static", 1.0, (0.5, 1.0), 0.05);
+    let both = vec![
+        friction.starting(&[1.5, 2.5, 4.0, 7.0]),
+        kinetic.starting(&[1.0]),
+    ];
+    let mut slip = Cause::several("foot-slip", both);
+    slip.form = Form::Inverse(Term::StaticFriction.key(robot));
     list.add(
-        Cause {
-            form: Form::Inverse(Term::StaticFriction.key(robot)),
-            ..Cause::several(
-                "foot-slip",
-                vec![
-                    parameter(
-                        "one_over_friction",
-                        0.0,
-                        (0.1, 60.0),
-                        0.1,
-                        &[1.5, 2.5, 4.0, 7.0],
-                    ),
-                    parameter("kinetic_over_static", 1.0, (0.5, 1.0), 0.05, &[1.0]),
-                ],
-            )
-        },
+        slip,
         Effect::Robot(|r, v| {
             r.ground.static_friction = 1.0 / v[0];
             r.ground.kinetic_friction = v[1] / v[0];
@@ -327,10 +288,9 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
     // One that is fed has a valve that opens in time, and its leaks, of its own.
     let is_plain = robot.leg.cylinder().is_some() && !is_fed(robot);
     if is_plain {
-        let starts = [5e-4, 2e-3, 8e-3, 0.03];
-        let opening = parameter("opening_s", 0.0, (3e-4, 0.1), 1e-3, &starts);
-        let effect = Effect::Extra(|e, c| e.opening = c);
-        list.one("valve that opens over a time", opening, effect);
+        let (id, starts) = ("valve that opens over a time", [5e-4, 2e-3, 8e-3, 0.03]);
+        let opening = simple(id, "opening_s", 0.0, (3e-4, 0.1), 1e-3, &starts);
+        list.add(opening, Effect::Extra(|e, c| e.opening = c));
     }
     let moves = sort != Sort::Bench;
     let parts = [
@@ -342,9 +302,8 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
     let present = parts.into_iter().filter(|(is_there, _)| *is_there);
     for &(id, name, scale, set) in present.flat_map(|(_, terms)| terms) {
         let bounds = (-1e4 * scale, 1e4 * scale);
-        list.one(
-            id,
-            parameter(name, 0.0, bounds, scale, &[]),
+        list.add(
+            simple(id, name, 0.0, bounds, scale, &[]),
             Effect::Extra(set),
         );
     }
@@ -352,40 +311,30 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
 
 fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]) {
     for (k, (column, channel)) in columns.iter().zip(channels).enumerate() {
-        let mut add = |id: &'static str, what: Sensor, p: Parameter| {
-            let mut cause = Cause::one(id, p);
-            cause.column = Some(channel.name.clone());
-            if what == Sensor::Gain {
-                cause = cause.usual(0.1, "encoders are calibrated");
-            }
-            list.add(cause, Effect::Sensor(k, what));
+        let mut add = |what: Sensor, cause: Cause| {
+            list.add(cause.of_column(&channel.name), Effect::Sensor(k, what));
         };
-        add(
+        let gain = simple(
             "encoder-scale",
-            Sensor::Gain,
-            parameter("gain", 1.0, (0.2, 5.0), 2e-3, &[0.95, 1.05]),
+            "gain",
+            1.0,
+            (0.2, 5.0),
+            2e-3,
+            &[0.95, 1.05],
         );
-        let unit = channel.name.rsplit_once('_').map_or("", |(_, unit)| unit);
-        let offset = if *column == Column::Rate {
-            "offset_rad_s".to_owned()
-        } else {
-            format!("offset_{unit}")
+        add(Sensor::Gain, gain.usual(0.1, "encoders are calibrated"));
+        let unit = match column {
+            Column::Rate => "rad_s",
+            _ => channel.name.rsplit_once('_').map_or("", |(_, unit)| unit),
         };
-        add(
-            "sensor-offset",
-            Sensor::Offset,
-            parameter(&offset, 0.0, (-1e7, 1e7), channel.noise, &[]),
-        );
+        let offset = offset(&channel.name, unit, (-1e7, 1e7), channel.noise);
+        add(Sensor::Offset, offset);
+        let delay = amount("sensor-delay", "delay_s", 0.1, 2e-4, &[5e-3]);
         if sort != Sort::Outcomes {
-            add(
-                "sensor-delay",
-                Sensor::Delay,
-                parameter("delay_s", 0.0, (0.0, 0.1), 2e-4, &[5e-3]),
-            );
+            add(Sensor::Delay, delay.clone());
         }
         if sort == Sort::Jump {
-            let delay = parameter("delay_s", 0.0, (0.0, 0.1), 2e-4, &[5e-3]);
-            add("sensor-delay", Sensor::HeldDelay, delay);
+            add(Sensor::HeldDelay, delay);
         }
     }
 }

@@ -113,8 +113,7 @@ impl Cut {
     /// stride). The rate jumps there: a millisecond, by which heights in counts cannot tell when a
     /// foot comes down, makes of its reading an error of many standard deviations.
     pub(super) fn without_impacts(&mut self, landings: &[Option<f64>]) {
-        let column = |name: &String| name == "wheel_rate_rad_s";
-        let Some(rate) = self.empty.columns.iter().position(column) else {
+        let Some(rate) = self.empty.column("wheel_rate_rad_s") else {
             return;
         };
         for (stride, landing) in self.strides.iter_mut().zip(landings) {

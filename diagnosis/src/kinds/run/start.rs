@@ -92,7 +92,7 @@ impl Cutter<'_> {
         let start = track.time[window.from];
         let times = start..=track.time[last];
         let column = |name: &str| {
-            let k = self.experiment.columns.iter().position(|own| own == name)?;
+            let k = self.experiment.column(name)?;
             let rows = run.time.iter().zip(&run.values[k]);
             let all: Vec<(f64, f64)> = rows
                 .filter(|(t, x)| times.contains(*t) && x.is_finite())

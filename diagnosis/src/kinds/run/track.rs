@@ -31,10 +31,7 @@ pub(super) struct Firing {
 /// The columns of the valves, leg by leg.
 pub(super) fn valves(experiment: &Experiment, robot: &Robot) -> Result<Vec<usize>, Problem> {
     let legs = robot.body.legs as usize;
-    let of = |leg: usize| {
-        let name = format!("valve_{leg}");
-        experiment.columns.iter().position(|own| *own == name)
-    };
+    let of = |leg: usize| experiment.column(&format!("valve_{leg}"));
     let refused = |leg: usize, is_missing| Problem::Valves {
         robot: robot.name.clone(),
         legs,

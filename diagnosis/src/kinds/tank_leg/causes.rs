@@ -3,7 +3,7 @@
 use super::rig::{Changed, Rig};
 use super::{Flights, Gauge};
 use crate::kind::{Cause, Channel, Terms};
-use crate::kinds::{FREE, sensor, simple, unknown};
+use crate::kinds::{FREE, amount, causes, delay, gain, offset, share, simple, unknown};
 
 /// What a cause does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,47 +122,18 @@ fn of_gas(rig: &Rig) -> All {
         ),
         unknown("tube_flow_share", 1.0, (0.05, 5.0), 0.02),
     ];
-    let tank =
-        |name, bounds, scale, starts: &[f64]| simple("tank", name, 0.0, bounds, scale, starts);
-    let share = |id, name, scale| simple(id, name, 1.0, (0.05, 20.0), scale, &[0.8, 1.25]);
-    let heat = simple(
-        "heat-transfer",
-        "muscle_wall_k_per_w",
-        0.0,
-        (0.0, 1e3),
-        0.05,
-        &[0.3, 3.0],
-    );
-    let leak = simple(
-        "chamber-leak",
-        "leak_area_m2",
-        0.0,
-        (0.0, 1e-4),
-        2e-8,
-        &[1e-7, 1e-6],
-    );
-    vec![
-        (Effect::Lags, Cause::several("valve-delay", lags)),
-        (Effect::Tube, Cause::several("tube", tube)),
-        (
-            Effect::Valve,
-            share("valve-discharge", "valve_flow_share", 0.02),
-        ),
-        (
-            Effect::Tank,
-            tank("tank_wall_k_per_w", (0.0, 1e3), 0.05, &[0.5, 5.0]),
-        ),
-        (
-            Effect::Outlet,
-            tank("outlet_drop_share", (0.0, 10.0), 2e-3, &[0.01]),
-        ),
-        (
-            Effect::TankVolume,
-            share("tank", "tank_volume_share", 0.02).usual(0.03, "a tank's volume is known"),
-        ),
-        (Effect::Heat, heat),
-        (Effect::Leak, leak),
-    ]
+    let tank = |name, most, scale, starts: &[f64]| amount("tank", name, most, scale, starts);
+    let known = "a tank's volume is known";
+    causes! {
+        Effect::Lags => Cause::several("valve-delay", lags);
+        Effect::Tube => Cause::several("tube", tube);
+        Effect::Valve => share("valve-discharge", "valve_flow_share", 0.02);
+        Effect::Tank => tank("tank_wall_k_per_w", 1e3, 0.05, &[0.5, 5.0]);
+        Effect::Outlet => tank("outlet_drop_share", 10.0, 2e-3, &[0.01]);
+        Effect::TankVolume => share("tank", "tank_volume_share", 0.02).usual(0.03, known);
+        Effect::Heat => amount("heat-transfer", "muscle_wall_k_per_w", 1e3, 0.05, &[0.3, 3.0]);
+        Effect::Leak => amount("chamber-leak", "leak_area_m2", 1e-4, 2e-8, &[1e-7, 1e-6]);
+    }
 }
 
 fn of_links(rig: &Rig) -> All {
@@ -175,61 +146,35 @@ fn of_links(rig: &Rig) -> All {
         )
     };
     let tendons = ["knee_tendon_m_per_n", "hip_tendon_m_per_n"].map(tendon);
-    let share = |id, name| simple(id, name, 1.0, (0.05, 20.0), 0.02, &[0.8, 1.25]);
-    let friction = ("coulomb_friction_n_m", (0.0, 20.0), [0.3, 1.0]);
-    let damping = ("viscous_friction_n_m_s_per_rad", (0.0, 10.0), [0.1]);
-    vec![
-        (
-            Effect::Tendon,
-            Cause::several("series-spring", tendons.to_vec()),
-        ),
-        (
-            Effect::Dry,
-            simple(
-                "coulomb-friction",
-                friction.0,
-                0.0,
-                friction.1,
-                0.02,
-                &friction.2,
-            ),
-        ),
-        (
-            Effect::Viscous,
-            simple(
-                "viscous-friction",
-                damping.0,
-                rig.damping,
-                damping.1,
-                5e-3,
-                &damping.2,
-            ),
-        ),
-        (
-            Effect::Mass,
-            share("mass", "mass_share").usual(0.03, "links are weighed"),
-        ),
-        (Effect::Spring, share("return-spring", "spring_share")),
-    ]
+    let name = "viscous_friction_n_m_s_per_rad";
+    let damping = simple(
+        "viscous-friction",
+        name,
+        rig.damping,
+        (0.0, 10.0),
+        5e-3,
+        &[0.1],
+    );
+    let mass = share("mass", "mass_share", 0.02).usual(0.03, "links are weighed");
+    causes! {
+        Effect::Tendon => Cause::several("series-spring", tendons.to_vec());
+        Effect::Dry => amount("coulomb-friction", "coulomb_friction_n_m", 20.0, 0.02, &[0.3, 1.0]);
+        Effect::Viscous => damping;
+        Effect::Mass => mass;
+        Effect::Spring => share("return-spring", "spring_share", 0.02);
+    }
 }
 
 fn of_gauge(channel: &Channel, gauge: Gauge) -> All {
-    let (offset, scale) = match gauge {
-        Gauge::Center(_) => ("offset_m", 1e-3),
-        _ => ("offset_pa", 500.0),
-    };
-    let of = |id, column: &str, name, none, bounds, scale| {
-        sensor(id, column, name, none, bounds, scale, &[])
-    };
     let own = channel.name.as_str();
-    let gain = of("encoder-scale", own, "gain", 1.0, (0.2, 5.0), 0.01);
-    let delay = of("sensor-delay", own, "delay_s", 0.0, (0.0, 0.1), 1e-3);
-    let delay = delay.usual(3e-3, "gauges are prompt");
-    let mut all = vec![(Effect::Scale(gauge), gain), (Effect::Delay(gauge), delay)];
+    let prompt = "gauges are prompt";
+    let mut all = causes! {
+        Effect::Scale(gauge) => gain(own);
+        Effect::Delay(gauge) => delay(own, 0.1, 1e-3).usual(3e-3, prompt);
+    };
     // Where the track of the centre begins is not known anyway.
     if !matches!(gauge, Gauge::Center(_)) {
-        let zero = of("sensor-offset", own, offset, 0.0, FREE, scale);
-        all.push((Effect::Offset(gauge), zero));
+        all.push((Effect::Offset(gauge), offset(own, "pa", FREE, 500.0)));
     }
     all
 }

@@ -49,7 +49,7 @@ impl Told {
     /// What the first rows and the commands of a run say.
     pub(super) fn of(run: &Run, rig: &Rig, columns: &[String]) -> Result<Told, Problem> {
         let first = run.time.first().copied().unwrap_or(0.0);
-        let index = |name: &str| columns.iter().position(|c| c == name);
+        let index = |name: &str| columns.iter().position(|column| column == name);
         let readings = |name: &str| -> Vec<(f64, f64)> {
             let Some(column) = index(name) else {
                 return Vec::new();
