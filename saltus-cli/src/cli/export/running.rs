@@ -3,7 +3,7 @@
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use saltus::Robot;
-use saltus::export::{BallFiles, Number, Running};
+use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Stable, Steered};
 use saltus::gait::{Program, Setup};
 
@@ -55,16 +55,16 @@ impl RunningFlags {
         &self,
         robot: impl FnOnce() -> Result<Robot, CliError>,
         valve_open: Option<f64>,
-    ) -> Result<Option<BallFiles>, CliError> {
+    ) -> Result<Option<CFiles>, CliError> {
         let Some(Flashed(gait @ (Kind::DiscStable | Kind::Steer))) = self.gait else {
             return Ok(None);
         };
         self.law.meant(Some(gait), valve_open.is_some())?;
         let robot = robot()?;
         let written = if gait == Kind::Steer {
-            BallFiles::steered::<R>(&robot, &Steered::towards(0.0))
+            CFiles::steered::<R>(&robot, &Steered::towards(0.0))
         } else {
-            BallFiles::new::<R>(&robot, &Stable::default())
+            CFiles::stable::<R>(&robot, &Stable::default())
         };
         let wrong = |error| CliError::content(&robot.name, error);
         written.map(Some).map_err(wrong)
@@ -77,7 +77,7 @@ impl RunningFlags {
         robot: impl FnOnce() -> Result<Robot, CliError>,
         valve_open: Option<f64>,
         threads: usize,
-    ) -> Result<Option<Running>, CliError> {
+    ) -> Result<Option<CFiles>, CliError> {
         let gait = self.gait.map(|gait| gait.0);
         self.law
             .meant(gait, gait.is_some() && valve_open.is_some())?;
@@ -96,7 +96,7 @@ impl RunningFlags {
         setup.zone = zone;
         setup.taps = self.law.taps();
         setup.valve_open = valve_open.unwrap_or(setup.valve_open);
-        let written = Running::new::<R>(&setup).map(Some);
+        let written = CFiles::running::<R>(&setup).map(Some);
         written.map_err(|error| CliError::content(&setup.robot.name, error))
     }
 }
