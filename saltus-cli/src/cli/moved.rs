@@ -30,14 +30,9 @@ impl fmt::Display for Place {
     }
 }
 
-/// A command, a flag or a value of a flag that the command line does not take any more.
-struct Moved {
-    /// The command.
-    command: &'static str,
-    /// The flag, or the flag and its value; empty for the whole command.
-    words: &'static str,
-    place: Place,
-}
+/// A command line that is not taken any more: the command, the flag or the flag and its value (empty for the whole command),
+/// and where it is.
+type Moved = (&'static str, &'static str, Place);
 
 const MOVED: &[Moved] = &[
     to_study("jump", "--target", "ball_jump 0.3,0.2"),
@@ -139,32 +134,17 @@ const MOVED: &[Moved] = &[
 
 /// What is a study now.
 const fn to_study(command: &'static str, words: &'static str, study: &'static str) -> Moved {
-    let place = Place::Study(study);
-    Moved {
-        command,
-        words,
-        place,
-    }
+    (command, words, Place::Study(study))
 }
 
 /// What another command line does.
 const fn to_command(command: &'static str, words: &'static str, line: &'static str) -> Moved {
-    let place = Place::Now(line);
-    Moved {
-        command,
-        words,
-        place,
-    }
+    (command, words, Place::Now(line))
 }
 
 /// What nothing does.
 const fn gone(command: &'static str, words: &'static str, instead: &'static str) -> Moved {
-    let place = Place::Gone(instead);
-    Moved {
-        command,
-        words,
-        place,
-    }
+    (command, words, Place::Gone(instead))
 }
 
 /// That a command line which could not be parsed asks for something that has moved.
@@ -179,17 +159,13 @@ pub(crate) fn refused(line: &[OsString]) -> Option<CliError> {
             _ => vec![word.as_ref()],
         })
         .collect();
-    let is_asked = |moved: &&Moved| {
-        let asked: Vec<&str> = moved.words.split_whitespace().collect();
-        moved.command == command
-            && (asked.is_empty() || words.windows(asked.len()).any(|some| some == asked))
+    let is_asked = |(of, asked, _): &&Moved| {
+        let asked: Vec<&str> = asked.split_whitespace().collect();
+        *of == command && (asked.is_empty() || words.windows(asked.len()).any(|some| some == asked))
     };
-    let moved = MOVED.iter().find(is_asked)?;
-    let asked = format!("{} {}", moved.command, moved.words);
-    Some(CliError::Moved {
-        asked: asked.trim_end().into(),
-        place: moved.place,
-    })
+    let (command, words, place) = *MOVED.iter().find(is_asked)?;
+    let asked = format!("{command} {words}").trim_end().into();
+    Some(CliError::Moved { asked, place })
 }
 
 #[cfg(test)]
@@ -204,14 +180,14 @@ mod tests {
     #[test]
     fn who_asks_for_what_moved_is_told_where_it_is() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/src/bin");
-        for moved in MOVED {
-            let line = format!("{} {}", moved.command, moved.words);
+        for (command, words, place) in MOVED {
+            let line = format!("{command} {words}");
             let line: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
             let words = std::iter::once("saltus".into()).chain(line.iter().cloned());
             assert!(crate::cli::Cli::try_parse_from(words).is_err(), "{line:?}");
             let error = refused(&line).expect("listed").to_string();
-            assert!(error.contains(&moved.place.to_string()), "{error}");
-            if let Place::Study(study) = moved.place {
+            assert!(error.contains(&place.to_string()), "{error}");
+            if let Place::Study(study) = place {
                 let name = study.split_whitespace().next().expect("a name");
                 let file = studies.join(format!("{name}.rs"));
                 assert!(file.is_file() || studies.join(name).is_dir(), "{name}");
