@@ -19,8 +19,6 @@ use super::{
 pub struct Verification {
     /// Runs with errors drawn from the robot's own, beside those without.
     pub samples: usize,
-    /// Size of the drawn errors, as a multiple of the robot's.
-    pub scatter: f64,
     /// Seed of the drawn errors.
     pub seed: u64,
     /// Friction coefficients of the ground, at least one, which take turns; none: the robot's own.
@@ -144,7 +142,6 @@ impl Default for Verification {
     fn default() -> Verification {
         Verification {
             samples: 100,
-            scatter: 1.0,
             seed: 1,
             frictions: vec![None],
             starts: Starts::Chained,
@@ -231,7 +228,7 @@ impl Verification {
                 }
             };
             let sizes = &planner.robot().errors;
-            let errors = errors(sizes, route.stages.len(), self.scatter, &mut random);
+            let errors = errors(sizes, route.stages.len(), &mut random);
             trials.push(Trial {
                 route,
                 errors: Some(errors),
@@ -294,12 +291,9 @@ impl Verification {
 
 /// Errors of the jumps of one run. Rate, angle and valve time err anew in every jump, the supply
 /// pressure is off by the same all along.
-fn errors(sizes: &Errors, jumps: usize, factor: f64, random: &mut Pcg64) -> Vec<Disturbance> {
+fn errors(sizes: &Errors, jumps: usize, random: &mut Pcg64) -> Vec<Disturbance> {
     let mut drawn = || {
-        let normal = std::array::from_fn(|_| {
-            let x: f64 = StandardNormal.sample(random);
-            factor * x
-        });
+        let normal = std::array::from_fn(|_| StandardNormal.sample(random));
         Disturbance::drawn(sizes, normal)
     };
     let first = drawn();
