@@ -10,7 +10,7 @@ use saltus::chart::escaped;
 use serde::Serialize;
 use serde_json::Value;
 
-pub(crate) use of_report::{Asked, sizes};
+pub(crate) use of_report::sizes;
 
 /// The page; the scene takes the place of [`PLACE`].
 const TEMPLATE: &str = include_str!("../../assets/animation.html");
@@ -80,7 +80,7 @@ pub(crate) struct Zone {
 }
 
 /// One simulated jump beside its plan. A number that there is none of is NaN.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Jump {
     /// What it is called.
     pub(crate) name: String,

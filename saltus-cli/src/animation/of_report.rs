@@ -20,26 +20,6 @@ pub(crate) fn sizes(robot: &Robot) -> [f64; 2] {
     [HUB * radius, rod.min((1.0 - HUB) * radius)]
 }
 
-/// What was asked of a jump and how it was judged.
-#[derive(Clone, Debug)]
-pub(crate) struct Asked {
-    /// What it is called.
-    pub(crate) name: String,
-    /// What was found, in words.
-    pub(crate) verdict: String,
-    /// Whether it held.
-    pub(crate) passed: bool,
-    /// Planned path of the axle (m), stance and flight.
-    pub(crate) planned: Vec<[f64; 2]>,
-    /// Planned greatest height of the axle (m).
-    pub(crate) planned_apex_m: f64,
-    /// Planned landing of the axle (m).
-    pub(crate) planned_land_m: f64,
-    /// Height of the axle (m) at which it lands: the rig's radius, or the `landing_height` of the
-    /// simulation's plan.
-    pub(crate) landing_height_m: f64,
-}
-
 impl Scene {
     /// A scene of `robot` among `obstacles`.
     pub(crate) fn of(
@@ -67,11 +47,11 @@ impl Scene {
 }
 
 impl Jump {
-    /// The simulated jump `report` of `rig` beside what was `asked`. It ends where the axle comes
-    /// down to the landing height.
-    pub(crate) fn of(rig: &Rig, report: &Report, asked: Asked) -> Jump {
+    /// What was `asked` of a jump with its simulation, the `report` of `rig`. It ends where the axle comes down to the
+    /// landing height (m): the rig's radius, or the `landing_height` of the simulation's plan.
+    pub(crate) fn of(rig: &Rig, report: &Report, landing_height: f64, asked: Jump) -> Jump {
         let mut frames = frames(rig, report);
-        let at_standing = (asked.landing_height_m - rig.radius).abs() < 1e-12;
+        let at_standing = (landing_height - rig.radius).abs() < 1e-12;
         let land_m = if at_standing {
             report.landing
         } else {
@@ -87,32 +67,21 @@ impl Jump {
             {
                 events.push(event(top, "apex"));
                 if land_m.is_finite() {
-                    end_at_landing(&mut frames, top, asked.landing_height_m);
+                    end_at_landing(&mut frames, top, landing_height);
                     events.extend(frames.last().map(|frame| event(frame.time_s, "landing")));
                 }
             }
         }
         events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Jump {
-            name: asked.name,
-            verdict: asked.verdict,
-            passed: asked.passed,
-            missed: Vec::new(),
-            foothold_m: [0.0; 2],
-            others: Vec::new(),
-            next: None,
-            planned: asked.planned,
-            planned_apex_m: asked.planned_apex_m,
-            planned_land_m: asked.planned_land_m,
             apex_m: report.apex,
             land_m,
             frames,
             events,
+            ..asked
         }
     }
-}
 
-impl Jump {
     /// Moves it from the origin to its foothold (m along the course, and up).
     pub(crate) fn stand_at(&mut self, foot: [f64; 2], boom: Option<f64>) {
         let [x, y] = foot;

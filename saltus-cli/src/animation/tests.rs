@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use saltus::sim_check::{Plan, Rig};
 use saltus::{Launch, Planner, Robot};
 
-use super::{Asked, Jump, Obstacle, Scene, page};
+use super::{Jump, Obstacle, Scene, page};
 
 /// Where the pages for the browser go.
 const PAGES: &str = "SALTUS_PAGES";
@@ -50,16 +50,16 @@ fn jump(robot: &Robot, firing_angle: f64) -> Jump {
     let path = stance
         .chain(flight.samples(0.0, end, 100).map(|(_, x, y)| [x, y]))
         .collect();
-    let asked = Asked {
+    let asked = Jump {
         name: format!("fired at {firing_angle} rad"),
         verdict: String::new(),
         passed: report.slips_at.is_none(),
         planned: path,
         planned_apex_m: flight.apex_height(),
         planned_land_m: planned.distance(height).unwrap(),
-        landing_height_m: height,
+        ..Jump::default()
     };
-    let mut jump = Jump::of(&rig, &report, asked);
+    let mut jump = Jump::of(&rig, &report, height, asked);
     jump.verdict = format!(
         "lands {:+.1} mm from where it was planned",
         (jump.land_m - jump.planned_land_m) * 1e3

@@ -13,7 +13,8 @@ use super::recorded::Beside;
 use crate::error::CliError;
 use crate::input;
 use crate::output::{Files, Format, message, reachable, reachable_folder};
-use crate::plot::{Drawing, PlotFile};
+use crate::plot::PlotFile;
+use crate::plot::sheet::Sheet;
 use crate::progress::Progress;
 use crate::range::{Values, frictions};
 use crate::session;
@@ -393,7 +394,7 @@ impl PlotOption {
     pub(crate) fn add_to(
         &self,
         files: &mut Files,
-        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        drawing: impl FnOnce() -> Result<Sheet, CliError>,
     ) -> Result<(), CliError> {
         if let Some(plot) = &self.plot {
             files.add("--plot", plot.path(), plot.draw(&drawing()?)?);
@@ -412,7 +413,7 @@ impl Common {
     pub(crate) fn write(
         &self,
         report: String,
-        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        drawing: impl FnOnce() -> Result<Sheet, CliError>,
     ) -> Result<(), CliError> {
         self.write_with(report, drawing, None)
     }
@@ -421,7 +422,7 @@ impl Common {
     pub(crate) fn write_with<'a>(
         &self,
         report: String,
-        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        drawing: impl FnOnce() -> Result<Sheet, CliError>,
         more: impl IntoIterator<Item = Beside<'a>>,
     ) -> Result<(), CliError> {
         let output = &self.output;
@@ -540,7 +541,7 @@ impl OutputFlags {
         &self,
         report: String,
         option: &PlotOption,
-        drawing: impl FnOnce() -> Result<Drawing, CliError>,
+        drawing: impl FnOnce() -> Result<Sheet, CliError>,
         more: impl IntoIterator<Item = (&'static str, &'a Path, T)>,
     ) -> Result<(), CliError> {
         let mut files = Files::default();

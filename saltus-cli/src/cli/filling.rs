@@ -11,7 +11,6 @@ use super::common::Common;
 use super::terms::{TermFlags, Terms, VALVE_OPEN};
 use crate::error::CliError;
 use crate::output::{self, Column, Format, Table as Rows, columns, digits};
-use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREEN};
 use crate::plot::sheet::{Panel, Sheet};
@@ -260,69 +259,56 @@ fn counted(jumps: usize) -> String {
     }
 }
 
-fn sheet(found: &Filling, robot: &Robot) -> Drawing {
-    let line = |color, of: &dyn Fn(&Hop) -> Option<f64>| Line {
-        label: None,
-        points: found
-            .hops
-            .iter()
-            .enumerate()
-            .filter_map(|(i, hop)| Some(((i + 1) as f64, of(hop)?)))
-            .collect(),
-        color,
-        mark: if found.hops.len() <= 60 {
-            Mark::Dots
-        } else {
-            Mark::Solid
-        },
+fn sheet(found: &Filling, robot: &Robot) -> Sheet {
+    let mark = if found.hops.len() <= 60 {
+        Mark::Dots
+    } else {
+        Mark::Solid
     };
-    let totals = rows(found, robot).map(|(_, number, total, _)| (number as f64, total));
-    let totals = Line {
-        points: totals.collect(),
-        ..line(GREEN, &|_| None)
+    let panel = |title: &str, y, color, of: &dyn Fn(&Row<'_>) -> Option<f64>| {
+        let points = rows(found, robot).filter_map(|row| Some((row.1 as f64, of(&row)?)));
+        Panel {
+            title: title.into(),
+            x: "jump",
+            y,
+            lines: vec![Line::new(mark, color, points)],
+            least: Some([[0.0, 1.0], [0.0, 0.0]]),
+            ..Panel::default()
+        }
     };
     let ambient = robot.environment.ambient.0;
-    let panel = |title: &str, y, lines| Panel {
-        title: title.into(),
-        x: "jump",
-        y,
-        lines,
-        least: Some([[0.0, 1.0], [0.0, 0.0]]),
-    };
-    let pressure = |hop: &Hop| Some(1e-5 * (hop.tank.pressure - ambient));
-    let temperature = |hop: &Hop| Some(hop.tank.temperature);
-    let mut warmth = panel(
-        "tank before each jump",
-        "temperature (K)",
-        vec![line(GREEN, &temperature)],
-    );
-    warmth.least = None;
-    Drawing::Sheet(Sheet {
+    let before = "tank before each jump";
+    let warmth = panel(before, "temperature (K)", GREEN, &|(hop, ..)| {
+        Some(hop.tank.temperature)
+    });
+    Sheet {
         title: format!(
             "{}: {} and {} m to a filling",
             robot.name,
             counted(found.jumps()),
             digits(found.distance(), 4)
         ),
-        course: None,
         panels: vec![
             panel(
-                "tank before each jump",
+                before,
                 "pressure above ambient (bar)",
-                vec![line(BLUE, &pressure)],
+                BLUE,
+                &|(hop, ..)| Some(1e-5 * (hop.tank.pressure - ambient)),
             ),
-            warmth,
-            panel(
-                "apex of the wheel's centre",
-                "height (m)",
-                vec![line(BLUE, &|hop| hop.apex)],
-            ),
-            panel(
-                "distance of each jump",
-                "distance (m)",
-                vec![line(BLUE, &|hop| hop.distance)],
-            ),
-            panel("distance of all jumps", "distance (m)", vec![totals]),
+            Panel {
+                least: None,
+                ..warmth
+            },
+            panel("apex of the wheel's centre", "height (m)", BLUE, &|row| {
+                row.0.apex
+            }),
+            panel("distance of each jump", "distance (m)", BLUE, &|row| {
+                row.0.distance
+            }),
+            panel("distance of all jumps", "distance (m)", GREEN, &|row| {
+                Some(row.2)
+            }),
         ],
-    })
+        ..Sheet::default()
+    }
 }

@@ -13,9 +13,8 @@ use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
 use crate::error::CliError;
 use crate::output::{self, Column, Format, Table as Rows, columns, digits};
-use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
-use crate::plot::palette::{BLUE, viridis};
+use crate::plot::palette::shade;
 use crate::plot::sheet::{Panel, Sheet};
 use crate::progress::Progress;
 use crate::quantity;
@@ -244,7 +243,7 @@ impl Law {
         lines.join("\n") + "\n"
     }
 
-    fn drawing(&self, found: &[Found], terms: &Terms, robot: &Robot) -> Result<Drawing, CliError> {
+    fn drawing(&self, found: &[Found], terms: &Terms, robot: &Robot) -> Result<Sheet, CliError> {
         const MOST: usize = 12;
         if found.len() > MOST {
             let allowed = format!("used with {MOST} targets at most, not {}", found.len());
@@ -254,17 +253,11 @@ impl Law {
             .iter()
             .filter_map(|one| Some((one.target, one.law.as_ref()?)))
             .collect();
-        let color = |i: usize| match laws.len() {
-            1 => BLUE,
-            count => viridis(0.85 * i as f64 / (count - 1) as f64),
-        };
         let (mut angles, mut residuals) = (Vec::new(), Vec::new());
         for (i, (target, law)) in laws.iter().enumerate() {
-            let line = |mark, label: Option<String>, of: fn(&LawPoint) -> f64| Line {
-                label,
-                points: law.points.iter().map(|p| (p.rate, of(p))).collect(),
-                color: color(i),
-                mark,
+            let line = |mark, of: fn(&LawPoint) -> f64| {
+                let points = law.points.iter().map(|p| (p.rate, of(p)));
+                Line::new(mark, shade(i, laws.len()), points)
             };
             let label = format!(
                 "{} m: A = {} s, B = {} rad",
@@ -272,35 +265,34 @@ impl Law {
                 digits(law.slope, 4),
                 digits(law.intercept, 4)
             );
-            let label = Some(label.replace('-', "−"));
-            angles.push(line(Mark::Solid, label, |p| p.fitted));
-            angles.push(line(Mark::Dots, None, |p| p.exact));
-            residuals.push(line(Mark::Dots, None, |p| 1e3 * (p.fitted - p.exact)));
+            angles.push(line(Mark::Solid, |p| p.fitted).called(label.replace('-', "−")));
+            angles.push(line(Mark::Dots, |p| p.exact));
+            residuals.push(line(Mark::Dots, |p| 1e3 * (p.fitted - p.exact)));
         }
         let panel = |title: String, y, lines| Panel {
             title,
             x: "approach rate ω (rad/s)",
             y,
             lines,
-            least: None,
+            ..Panel::default()
         };
         let head = match found.first() {
             Some(one) if laws.is_empty() => nothing_text(one).trim_end().to_owned(),
             _ => "dots exact, lines fitted".to_owned(),
         };
-        Ok(Drawing::Sheet(Sheet {
+        Ok(Sheet {
             title: format!(
                 "{}: linear law of the firing angle for a {}, {}",
                 robot.name,
                 self.target.kind().name(),
                 terms.landing_title()
             ),
-            course: None,
             panels: vec![
                 panel(head, "firing angle α_f (rad)", angles),
                 panel("fitted less exact".into(), "residual (mrad)", residuals),
             ],
-        }))
+            ..Sheet::default()
+        })
     }
 }
 

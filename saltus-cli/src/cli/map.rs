@@ -10,8 +10,8 @@ use super::common::{Common, PlantFlags, Threads};
 use super::terms::{TermFlags, Terms};
 use crate::error::CliError;
 use crate::output::{self, Cell, Column, Format, Table as Rows, columns, digits};
-use crate::plot::Drawing;
-use crate::plot::map::{MapPlot, Panel};
+use crate::plot::map::{Map as Grid, counts};
+use crate::plot::sheet::Sheet;
 use crate::progress::Progress;
 use crate::range::{Values, angles, rates};
 
@@ -134,7 +134,7 @@ impl Map {
             }
             Format::Text => self.text(&map, &rows, &robot),
         };
-        let drawing = || Ok(Drawing::Map(self.drawing(&map, &robot)));
+        let drawing = || Ok(self.drawing(&map, &robot));
         self.common.write(report, drawing)?;
         let lands = |spot: &Spot| number(spot, |result| result.distance).is_some();
         Ok(Status::of(map.spots.iter().any(lands)))
@@ -179,7 +179,7 @@ impl Map {
             format!("  {}", self.terms.of(robot).line()),
         ];
         lines.extend(
-            outcomes(map)
+            counts(map.spots.iter().map(outcome))
                 .into_iter()
                 .map(|(name, count)| format!("  {name:<16} {count}")),
         );
@@ -194,21 +194,25 @@ impl Map {
         lines.join("\n") + "\n" + &rows.text()
     }
 
-    fn drawing(&self, map: &planner::Map, robot: &Robot) -> MapPlot {
-        let panel = |title: String, key: fn(&SpotResult) -> Option<f64>| Panel {
-            title,
-            values: map.spots.iter().map(|spot| number(spot, key)).collect(),
+    fn drawing(&self, map: &planner::Map, robot: &Robot) -> Sheet {
+        let outcomes: Vec<&str> = map.spots.iter().map(outcome).collect();
+        let grid = Grid {
+            rates: &self.omega,
+            angles: &self.alpha_f,
+            outcomes: &outcomes,
+        };
+        let panel = |title: &str, key: fn(&SpotResult) -> Option<f64>| {
+            let values: Vec<_> = map.spots.iter().map(|spot| number(spot, key)).collect();
+            grid.panel(title, &values)
         };
         let landing = format!("distance (m), {}", self.terms.of(robot).landing_title());
-        MapPlot {
+        Sheet {
             title: format!("{}: what is reachable", robot.name),
-            rates: self.omega.to_vec(),
-            angles: self.alpha_f.to_vec(),
-            panels: vec![
-                panel(landing, |r| r.distance),
-                panel("apex (m)".into(), |r| r.apex),
+            wide: vec![
+                panel(&landing, |r| r.distance),
+                panel("apex (m)", |r| r.apex),
             ],
-            outcomes: map.spots.iter().map(outcome).collect(),
+            ..Sheet::default()
         }
     }
 }
@@ -220,18 +224,6 @@ fn outcome(spot: &Spot) -> &'static str {
         Ok(result) => Outcome::name(result.outcome),
         Err(_) => "not-computed",
     }
-}
-
-/// How often each outcome occurs, in the order of their first occurrence.
-fn outcomes(map: &planner::Map) -> Vec<(&'static str, usize)> {
-    let mut counts: Vec<(&'static str, usize)> = Vec::new();
-    for name in map.spots.iter().map(outcome) {
-        match counts.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((name, 1)),
-        }
-    }
-    counts
 }
 
 /// Least and greatest value, and where they are.

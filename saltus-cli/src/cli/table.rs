@@ -13,8 +13,10 @@ use super::target::{Kind, TargetFlags};
 use super::terms::Terms;
 use crate::error::CliError;
 use crate::output::{self, Column, Format, Table as Rows, columns, digits};
-use crate::plot::Drawing;
-use crate::plot::curves::{Curve, Curves};
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::{INK, shade};
+use crate::plot::sheet::{Label, Panel, Sheet, Side};
+use crate::plot::span;
 use crate::progress::Progress;
 
 /// Tabulate the firing angles that reach distances or clearances, over approach rates
@@ -208,7 +210,7 @@ impl Table {
         request: &TableRequest,
         terms: &Terms,
         robot: &Robot,
-    ) -> Result<Drawing, CliError> {
+    ) -> Result<Sheet, CliError> {
         const MOST: usize = 40;
         let width = request.targets.len();
         if width > MOST {
@@ -216,26 +218,64 @@ impl Table {
             return Err(CliError::flag("--plot", "", allowed));
         }
         let kind = self.target.kind().name();
-        let curve = |(i, target): (usize, &f64)| {
-            let column = || table.cells.iter().skip(i).step_by(width);
-            Curve {
-                label: format!("{} m", digits(*target, 4)),
-                points: column().map(|cell| (cell.rate, angle(cell, 0))).collect(),
-                late: column().map(|cell| (cell.rate, angle(cell, 1))).collect(),
+        let (mut lines, mut labels) = (Vec::new(), Vec::new());
+        for (i, target) in request.targets.iter().enumerate() {
+            let color = shade(i, width);
+            let cells: Vec<&planner::Cell> = table.cells.iter().skip(i).step_by(width).collect();
+            let points = |cells: &[&planner::Cell], k: usize| -> Vec<(f64, f64)> {
+                let points = cells
+                    .iter()
+                    .filter_map(|cell| Some((cell.rate, angle(cell, k)?)));
+                points.collect()
+            };
+            for (k, mark) in [(1, Mark::Stroke(1)), (0, Mark::Stroke(3))] {
+                // Where no angle serves, a curve is interrupted.
+                let runs = cells.split(|cell| angle(cell, k).is_none());
+                lines.extend(runs.map(|run| Line::new(mark, color, points(run, k))));
             }
-        };
+            let early = points(&cells, 0);
+            labels.extend(early.last().map(|end| Label {
+                words: format!("{} m", digits(*target, 4)),
+                places: vec![*end],
+                side: Side::Right,
+                color,
+            }));
+            if cells.len() <= 30 {
+                lines.push(Line::new(Mark::Disc(3), color, early));
+            }
+        }
+        let is_empty = lines.iter().all(|line| line.points.is_empty());
+        if table.cells.iter().any(|cell| angle(cell, 1).is_some()) {
+            lines.push(Line::note(
+                "thick: the early angle, thin: the late one",
+                INK,
+            ));
+        }
         let what = match request.measure {
             Measure::Distance { .. } => format!("{kind}, {}", terms.landing_title()),
             Measure::Clearance { .. } => format!("{kind} over the obstacle"),
         };
-        Ok(Drawing::Curves(Curves {
-            title: format!("{}: firing angle for a {what}", robot.name),
+        // Room for the labels on the right.
+        let (first, last) = span(request.rates.iter().copied());
+        let room = [first, last + 0.1 * (last - first)];
+        let panel = Panel {
             x: "approach rate ω (rad/s)",
             y: "firing angle α_f (rad)",
-            lines: request.targets.iter().enumerate().map(curve).collect(),
-            late: "thick: the early angle, thin: the late one",
-            empty: nothing(table, kind),
-        }))
+            lines,
+            labels,
+            least: Some([room, [f64::NAN; 2]]),
+            empty: if is_empty {
+                nothing(table, kind)
+            } else {
+                String::new()
+            },
+            ..Panel::default()
+        };
+        Ok(Sheet {
+            title: format!("{}: firing angle for a {what}", robot.name),
+            wide: vec![panel],
+            ..Sheet::default()
+        })
     }
 }
 

@@ -9,7 +9,6 @@ use plotters::prelude::{Cartesian2d, DrawingArea, DrawingBackend, FontStyle, Int
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor, ShapeStyle, register_font as register};
 
-use super::Drawn;
 use super::palette::{FAINT, INK};
 use crate::output::digits;
 
@@ -19,13 +18,11 @@ const FONT: &[u8] = include_bytes!("../../assets/DejaVuSans-subset.ttf");
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// Space around the axes.
-const LEFT: u32 = 70;
+pub(super) const LEFT: u32 = 70;
 const BOTTOM: u32 = 52;
 const RIGHT: u32 = 24;
 const TOP: u32 = 14;
-const EDGE: u32 = 8;
-/// Height of the title line.
-const TITLE: u32 = 34;
+pub(super) const EDGE: u32 = 8;
 
 /// A chart with two linear axes.
 pub(crate) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -118,7 +115,7 @@ impl Axes {
         Ok(chart)
     }
 
-    /// Height of an area of `width` with a title on which both axes have one scale; what they span
+    /// Height of an area of `width` on which both axes have one scale; what they span
     /// grows where the area would be too flat or too tall.
     pub(crate) fn equal_scale(&mut self, width: u32) -> u32 {
         const FLATTEST: f64 = 0.3;
@@ -135,23 +132,8 @@ impl Axes {
         // Between the flattest and the tallest of a drawing's width.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let up = (across * (y.end - y.start) / (x.end - x.start)).round() as u32;
-        up + TOP + BOTTOM + EDGE + TITLE
+        up + TOP + BOTTOM + EDGE
     }
-}
-
-/// Draws the title, and gives back the area under it.
-pub(crate) fn titled<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    pen: Pen,
-    title: &str,
-) -> Result<DrawingArea<DB, Shift>, plotters::drawing::DrawingAreaErrorKind<DB::ErrorType>> {
-    let (line, rest) = area.split_vertically(pen.length(TITLE));
-    let place = (
-        pen.offset((LEFT + EDGE).cast_signed()),
-        pen.offset(TITLE.cast_signed() * 3 / 5),
-    );
-    line.draw_text(title, &pen.text(16, INK, HPos::Left, VPos::Center), place)?;
-    Ok(rest)
 }
 
 /// A number at an axis, with a real minus sign.
@@ -166,43 +148,11 @@ pub(crate) fn padded(low: f64, high: f64, share: f64) -> Range<f64> {
     low - share * width..high + share * width
 }
 
-/// A label at a place of the chart, moved by some units.
-pub(crate) fn label<DB: DrawingBackend>(
-    chart: &Chart<'_, DB>,
-    text: &str,
-    style: &TextStyle<'_>,
-    at: (f64, f64),
-    by: (i32, i32),
-) -> Drawn<DB> {
-    let area = chart.plotting_area();
-    let ((x, y), (left, top)) = (area.map_coordinate(&at), area.get_base_pixel());
-    area.strip_coord_spec()
-        .draw_text(text, style, (x - left + by.0, y - top + by.1))
-}
-
-/// Writes a key of names in their colours, one under the other, in the upper right corner.
-pub(crate) fn key<'a, DB: DrawingBackend>(
-    chart: &Chart<'_, DB>,
-    pen: Pen,
-    entries: impl Iterator<Item = (&'a str, RGBColor)>,
-) -> Drawn<DB> {
-    let plain = chart.plotting_area().strip_coord_spec();
-    let right = plain.dim_in_pixel().0.cast_signed() - pen.offset(6);
-    for ((name, color), row) in entries.zip(0..) {
-        let style = pen.text(12, color, HPos::Right, VPos::Top);
-        plain.draw_text(name, &style, (right, pen.offset(4 + 15 * row)))?;
-    }
-    Ok(())
-}
-
-/// Writes in the middle of an empty chart why it is empty.
-pub(crate) fn notice<DB: DrawingBackend>(chart: &Chart<'_, DB>, pen: Pen, text: &str) -> Drawn<DB> {
-    let plain = chart.plotting_area().strip_coord_spec();
-    let (width, height) = plain.dim_in_pixel();
-    let middle = (width.cast_signed() / 2, height.cast_signed() / 2);
-    plain.draw_text(
-        text.trim_end(),
-        &pen.text(14, INK, HPos::Center, VPos::Center),
-        middle,
-    )
+/// Least and greatest of some numbers that are finite; 0 and 1 without any.
+pub(crate) fn span(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = numbers.filter(|x| x.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+        (a.min(x), b.max(x))
+    });
+    if low <= high { (low, high) } else { (0.0, 1.0) }
 }

@@ -2,41 +2,20 @@
 
 mod axes;
 mod contour;
-pub(crate) mod curves;
-pub(crate) mod flown;
 pub(crate) mod ground;
 pub(crate) mod line;
 pub(crate) mod map;
 pub(crate) mod palette;
-pub(crate) mod scene;
 pub(crate) mod sheet;
-pub(crate) mod trajectories;
 
 use std::path::{Path, PathBuf};
 
-use plotters::coord::Shift;
-use plotters::prelude::{
-    BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, WHITE,
-};
+use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, SVGBackend};
 
 use crate::error::CliError;
 use axes::Pen;
-pub(crate) use axes::{padded, tick};
-pub(crate) use curves::span;
-
-/// What can be drawn.
-pub(crate) enum Drawing {
-    /// Paths of the wheel's centre.
-    Trajectories(trajectories::Trajectories),
-    /// Firing angles over approach rates.
-    Curves(curves::Curves),
-    /// What is reachable.
-    Map(map::MapPlot),
-    /// A plan on its course.
-    Scene(scene::Scene),
-    /// Several charts.
-    Sheet(sheet::Sheet),
-}
+pub(crate) use axes::{padded, span, tick};
+use sheet::Sheet;
 
 /// A file to draw to.
 #[derive(Clone, Debug)]
@@ -83,35 +62,35 @@ impl PlotFile {
     }
 
     /// The bytes of the file.
-    pub(crate) fn draw(&self, drawing: &Drawing) -> Result<Vec<u8>, CliError> {
+    pub(crate) fn draw(&self, sheet: &Sheet) -> Result<Vec<u8>, CliError> {
         let failed = |reason: String| CliError::Plot {
             file: self.path.clone(),
             reason,
         };
         axes::register_font().map_err(failed)?;
         match self.kind {
-            Kind::Svg => svg(drawing).map_err(failed),
-            Kind::Png => png(drawing).map_err(failed),
+            Kind::Svg => svg(sheet).map_err(failed),
+            Kind::Png => png(sheet).map_err(failed),
         }
     }
 }
 
-fn svg(drawing: &Drawing) -> Result<Vec<u8>, String> {
+fn svg(sheet: &Sheet) -> Result<Vec<u8>, String> {
     let mut text = String::new();
-    let area = SVGBackend::with_string(&mut text, drawing.size()).into_drawing_area();
-    drawing
+    let area = SVGBackend::with_string(&mut text, sheet.size()).into_drawing_area();
+    sheet
         .draw(&area, Pen::new(1))
         .map_err(|error| error.to_string())?;
     drop(area);
     Ok(text.into_bytes())
 }
 
-fn png(drawing: &Drawing) -> Result<Vec<u8>, String> {
-    let (width, height) = drawing.size();
+fn png(sheet: &Sheet) -> Result<Vec<u8>, String> {
+    let (width, height) = sheet.size();
     let size = (width * PNG_SCALE, height * PNG_SCALE);
     let mut pixels = vec![0; 3 * size.0 as usize * size.1 as usize];
     let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-    drawing
+    sheet
         .draw(&area, Pen::new(PNG_SCALE))
         .map_err(|error| error.to_string())?;
     drop(area);
@@ -127,29 +106,4 @@ fn encode(pixels: &[u8], (width, height): (u32, u32)) -> Result<Vec<u8>, png::En
     writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(bytes)
-}
-
-impl Drawing {
-    /// Width and height of the drawing.
-    fn size(&self) -> (u32, u32) {
-        match self {
-            Drawing::Trajectories(drawing) => drawing.size(),
-            Drawing::Curves(_) => curves::Curves::SIZE,
-            Drawing::Map(drawing) => drawing.size(),
-            Drawing::Scene(drawing) => drawing.size(),
-            Drawing::Sheet(drawing) => drawing.size(),
-        }
-    }
-
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, pen: Pen) -> Drawn<DB> {
-        area.fill(&WHITE)?;
-        match self {
-            Drawing::Trajectories(drawing) => drawing.draw(area, pen)?,
-            Drawing::Curves(drawing) => drawing.draw(area, pen)?,
-            Drawing::Map(drawing) => drawing.draw(area, pen)?,
-            Drawing::Scene(drawing) => drawing.draw(area, pen)?,
-            Drawing::Sheet(drawing) => drawing.draw(area, pen)?,
-        }
-        area.present()
-    }
 }

@@ -28,6 +28,14 @@ const VIRIDIS: [(u8, u8, u8); 9] = [
     (253, 231, 37),
 ];
 
+/// The colour of one of `count` lines, from dark to bright, its number from 0; [`BLUE`] alone.
+pub(crate) fn shade(number: usize, count: usize) -> RGBColor {
+    match count {
+        0 | 1 => BLUE,
+        _ => viridis(0.88 * number as f64 / (count - 1) as f64),
+    }
+}
+
 /// The colour for `share` in [0, 1], from dark to bright.
 pub(crate) fn viridis(share: f64) -> RGBColor {
     let steps = VIRIDIS.len() - 1;

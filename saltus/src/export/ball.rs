@@ -8,64 +8,34 @@ use saltus_gait::GaitError;
 use saltus_gait::space::{Flashed, FlashedPlane, Stable, Steered};
 use saltus_robot::Robot;
 
-use super::c::{comment, fill, list, number_words};
-use super::fingerprint;
+use super::c::list;
+use super::files::CFiles;
 use super::numbers::Number;
 
-/// What is written for a ball that is kept in its plane.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BallFiles {
-    /// What heads every file.
-    pub about: Vec<String>,
-    /// `saltus_ball.h` and `saltus_ball.c`, in C99 with no other dependency than `math.h`'s square root, and `ball_tables.h` with
-    /// the robot's constants: names and texts.
-    pub files: [(&'static str, String); 3],
-}
-
-impl BallFiles {
+impl CFiles {
     /// The code that keeps `robot` in its plane by `stable`, with numbers `R`.
     ///
     /// # Errors
     /// [`GaitError`] for a robot that is not in space, and numbers that cannot be.
-    pub fn new<R: Number>(robot: &Robot, stable: &Stable) -> Result<BallFiles, GaitError> {
+    pub fn stable<R: Number>(robot: &Robot, stable: &Stable) -> Result<CFiles, GaitError> {
         let flashed = Flashed::new(robot, stable)?.rounded::<R>();
-        Ok(BallFiles::of(robot, &flashed))
+        Ok(ball(robot, &flashed))
     }
 
     /// The code that leads `robot` along a path as `steered`, with numbers `R`. The path itself is no part of it.
     ///
     /// # Errors
-    /// As [`BallFiles::new`], and for a path that is none.
-    pub fn steered<R: Number>(robot: &Robot, steered: &Steered) -> Result<BallFiles, GaitError> {
+    /// As [`CFiles::stable`], and for a path that is none.
+    pub fn steered<R: Number>(robot: &Robot, steered: &Steered) -> Result<CFiles, GaitError> {
         let flashed = Flashed::steered(robot, steered)?.rounded::<R>();
-        Ok(BallFiles::of(robot, &flashed))
+        Ok(ball(robot, &flashed))
     }
+}
 
-    fn of<R: Number>(robot: &Robot, flashed: &Flashed<R>) -> BallFiles {
-        let about = vec![
-            format!(
-                "What decides on the ball {}, whose file's SHA-256 begins {}.",
-                robot.name.escape_default(),
-                fingerprint(robot)
-            ),
-            format!(
-                "Written by saltus {}; to change it, write it anew. Numbers: {}.",
-                env!("CARGO_PKG_VERSION"),
-                R::C_TYPE
-            ),
-        ];
-        let head = comment(&about);
-        let filled = |text| {
-            let head = ("HEADER", head.clone());
-            fill(text, number_words::<R>().into_iter().chain([head]))
-        };
-        let files = [
-            ("saltus_ball.h", filled(HEADER)),
-            ("saltus_ball.c", filled(SOURCE)),
-            ("ball_tables.h", format!("{head}\n{}", tables(flashed))),
-        ];
-        BallFiles { about, files }
-    }
+fn ball<R: Number>(robot: &Robot, flashed: &Flashed<R>) -> CFiles {
+    let code = [("saltus_ball.h", HEADER), ("saltus_ball.c", SOURCE)];
+    let tables = ("ball_tables.h", tables(flashed));
+    CFiles::of::<R>(robot, "ball", code, tables)
 }
 
 fn tables<R: Number>(ball: &Flashed<R>) -> String {

@@ -1,12 +1,10 @@
 //! Tables as C: a header and a source.
 
+use saltus_controller::Axis;
 use saltus_controller::c_source::{CONTROLLER as SOURCE, CONTROLLER_HEADER as HEADER};
-use saltus_controller::qp::HalfPlane;
-use saltus_controller::{Axis, Input, Obstacle, Reason, Timing};
 
 use super::numbers::Number;
 use super::tables::{Nodes, Tables};
-use super::vectors::{Chosen, Decided, Looked, Solved};
 
 /// Vectors of the self-test: firing angles, decisions, take-offs, programs.
 const VECTORS: [usize; 4] = [20, 40, 10, 10];
@@ -99,10 +97,10 @@ impl<R: Number> Tables<R> {
     fn c_self_test(&self) -> String {
         let [angles, decisions, take_offs, programs] = VECTORS;
         let tables = [
-            vectors("angle", &self.firing_angles(angles), test_angle),
-            vectors("decision", &self.decisions(decisions), test_decision),
-            vectors("take_off", &self.take_offs(take_offs), test_take_off),
-            vectors("program", &Tables::<R>::programs(programs), test_program),
+            vectors("angle", &self.firing_angles(angles)),
+            vectors("decision", &self.decisions(decisions)),
+            vectors("take_off", &self.take_offs(take_offs)),
+            vectors("program", &Tables::<R>::programs(programs)),
         ];
         let counts = ["ANGLES", "DECISIONS", "TAKE_OFFS", "PROGRAMS"].into_iter();
         let test = fill(TEST, counts.zip(VECTORS.map(|count| count.to_string())));
@@ -111,72 +109,10 @@ impl<R: Number> Tables<R> {
 }
 
 /// The table of a kind of test: an array of `test_KIND`.
-fn vectors<V>(kind: &str, all: &[V], row: fn(&V) -> String) -> String {
-    let rows: Vec<String> = all
-        .iter()
-        .map(|v| format!("    {{{}}},\n", row(v)))
-        .collect();
-    let rows = rows.concat();
-    let count = all.len();
+fn vectors(kind: &str, rows: &[String]) -> String {
+    let count = rows.len();
+    let rows: String = rows.iter().map(|row| format!("    {{{row}}},\n")).collect();
     format!("static const test_{kind} test_{kind}s[{count}] = {{\n{rows}}};\n")
-}
-
-fn test_angle<R: Number>(v: &Looked<R>) -> String {
-    let (code, angle) = match v.answer {
-        Ok(angle) => ("SALTUS_OK", angle),
-        Err(reason) => (status(reason), R::ZERO),
-    };
-    format!("{}, {code}, {}", list(&v.given), angle.c())
-}
-
-fn test_decision<R: Number>(v: &Decided<R>) -> String {
-    let task = &v.task;
-    let sensed = list(&[v.sensed.lean, v.sensed.rate]);
-    let asked = list(&[task.distance, task.landing_height]);
-    let over = u8::from(task.obstacle.is_some());
-    let numbers = |o: Obstacle<R>| [o.front, o.back, o.height, o.clearance];
-    let obstacle = list(&task.obstacle.map_or([R::ZERO; 4], numbers));
-    let answer = match v.answer {
-        Ok(d) => {
-            let (timing, time) = timing(d.timing);
-            let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
-            let settled = u8::from(d.settled);
-            format!("SALTUS_OK, {{{numbers}, {timing}, {settled}}}")
-        }
-        Err(reason) => {
-            let (code, none) = (status(reason), list(&[R::ZERO; 4]));
-            format!("{code}, {{{none}, SALTUS_WAIT, 0}}")
-        }
-    };
-    format!("{{{sensed}}}, {asked}, {over}, {{{obstacle}}}, {answer}")
-}
-
-fn test_take_off<R: Number>(v: &Chosen<R>) -> String {
-    let a = &v.approach;
-    let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
-    let answer = match v.answer {
-        Ok(t) => {
-            let numbers = list(&[t.approach_rate, t.firing_angle, t.distance, t.clearance]);
-            let touch_down = t.touch_down;
-            format!("SALTUS_OK, SALTUS_NO_INPUT, {{{touch_down}, {numbers}}}")
-        }
-        Err(none) => {
-            let (code, which) = (status(none.reason), input(none.input));
-            format!("{code}, {which}, {{0, {}}}", list(&[R::ZERO; 4]))
-        }
-    };
-    format!("{{{given}}}, {answer}")
-}
-
-fn test_program<R: Number>(v: &Solved<R>) -> String {
-    let row = |c: &HalfPlane<R>| format!("{{{{{}}}, {}}}", list(&c.normal), c.bound.c());
-    let rows: Vec<String> = v.constraints.iter().map(row).collect();
-    let (code, x) = match v.answer {
-        Ok(x) => ("SALTUS_OK", x),
-        Err(reason) => (status(reason), [R::ZERO; 2]),
-    };
-    let (h, g, rows) = (list(&v.h), list(&v.g), rows.join(", "));
-    format!("{{{h}}}, {{{g}}}, {{{rows}}}, {code}, {{{}}}", list(&x))
 }
 
 /// Lines at the head of a file.
@@ -234,34 +170,6 @@ fn cells(name: &str, open: &[u8]) -> String {
     let list: Vec<String> = open.iter().map(u8::to_string).collect();
     let (count, list) = (open.len(), list.join(", "));
     format!("/* which cells may be used */\nstatic const uint8_t {name}[{count}] = {{{list}}};\n\n")
-}
-
-fn status(reason: Reason) -> &'static str {
-    match reason {
-        Reason::OutOfTable => "SALTUS_OUT_OF_TABLE",
-        Reason::Infeasible => "SALTUS_INFEASIBLE",
-        Reason::SensorInvalid => "SALTUS_SENSOR_INVALID",
-        Reason::AskLater => "SALTUS_ASK_LATER",
-    }
-}
-
-fn input(input: Option<Input>) -> &'static str {
-    match input {
-        None => "SALTUS_NO_INPUT",
-        Some(Input::Distance) => "SALTUS_INPUT_DISTANCE",
-        Some(Input::Height) => "SALTUS_INPUT_HEIGHT",
-        Some(Input::Length) => "SALTUS_INPUT_LENGTH",
-        Some(Input::Speed) => "SALTUS_INPUT_SPEED",
-        Some(Input::Clearance) => "SALTUS_INPUT_CLEARANCE",
-    }
-}
-
-fn timing<R: Number>(timing: Timing<R>) -> (&'static str, R) {
-    match timing {
-        Timing::Wait(time) => ("SALTUS_WAIT", time),
-        Timing::Fire(time) => ("SALTUS_FIRE", time),
-        Timing::Late(time) => ("SALTUS_LATE", time),
-    }
 }
 
 const CURVE: &str = "\

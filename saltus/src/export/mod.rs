@@ -17,6 +17,7 @@
 
 mod ball;
 mod c;
+mod files;
 mod layout;
 mod learnt;
 mod numbers;
@@ -27,10 +28,9 @@ mod rust;
 mod tables;
 mod vectors;
 
-pub use ball::BallFiles;
+pub use files::CFiles;
 pub use learnt::LearntTable;
 pub use numbers::Number;
 pub use plant::planner;
 pub use request::{ExportError, Request};
-pub use running::Running;
 pub use tables::{Confirmed, Misses, Tables, fingerprint};

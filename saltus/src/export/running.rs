@@ -4,61 +4,26 @@ use saltus_controller::c_source::{RUNNING as SOURCE, RUNNING_HEADER as HEADER};
 use saltus_controller::run::{Gait, Hold, Law, Leap};
 use saltus_gait::{GaitError, Setup};
 
-use super::c::{comment, fill, number_words};
-use super::fingerprint;
+use super::files::CFiles;
 use super::numbers::Number;
 
-/// What is written for a running robot.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Running {
-    /// What heads every file.
-    pub about: Vec<String>,
-    /// `saltus_running.h` and `saltus_running.c`, in C99 with no other dependency than `math.h`'s
-    /// square root, and `running_tables.h` with the robot's constants: names and texts.
-    pub files: [(&'static str, String); 3],
-}
-
-impl Running {
+impl CFiles {
     /// The code that decides in `setup`, with numbers `R`.
     ///
     /// # Errors
     /// [`GaitError`] for a run that cannot be.
-    pub fn new<R: Number>(setup: &Setup) -> Result<Running, GaitError> {
+    pub fn running<R: Number>(setup: &Setup) -> Result<CFiles, GaitError> {
         let gravity = setup.robot.environment.gravity;
         let tables = setup.flashed(|gait| tables::<R>(gait, gravity))?;
-        let about = about::<R>(setup);
-        let head = comment(&about);
-        let filled = |text| {
-            let head = ("HEADER", head.clone());
-            fill(text, number_words::<R>().into_iter().chain([head]))
-        };
-        let files = [
-            ("saltus_running.h", filled(HEADER)),
-            ("saltus_running.c", filled(SOURCE)),
-            ("running_tables.h", format!("{head}\n{tables}")),
-        ];
-        Ok(Running { about, files })
+        let code = [("saltus_running.h", HEADER), ("saltus_running.c", SOURCE)];
+        let tables = ("running_tables.h", tables);
+        Ok(CFiles::of::<R>(&setup.robot, "running robot", code, tables))
     }
-}
-
-fn about<R: Number>(setup: &Setup) -> Vec<String> {
-    let (name, hash) = (&setup.robot.name, fingerprint(&setup.robot));
-    vec![
-        format!(
-            "What decides on the running robot {}, whose file's SHA-256 begins {hash}.",
-            name.escape_default()
-        ),
-        format!(
-            "Written by saltus {}; to change it, write it anew. Numbers: {}.",
-            env!("CARGO_PKG_VERSION"),
-            R::C_TYPE
-        ),
-    ]
 }
 
 fn tables<R: Number>(gait: &Gait<'_, f64>, gravity: f64) -> String {
     let c = |x: f64| R::of(x).c();
-    let list = |all: &[f64]| all.iter().map(|x| c(*x)).collect::<Vec<_>>().join(", ");
+    let list = list::<R>;
     let (taps, tap_count) = (list(gait.taps), gait.taps.len());
     let (data, law) = law::<R>(&gait.law);
     let i = &gait.instruments;
@@ -103,13 +68,18 @@ static const saltus_gait running_gait = {{
     )
 }
 
+/// Numbers as constants of C.
+fn list<R: Number>(numbers: &[f64]) -> String {
+    let numbers: Vec<R> = numbers.iter().map(|x| R::of(*x)).collect();
+    super::c::list(&numbers)
+}
+
 /// Whether a speed is held, and how.
 fn hold<R: Number>(hold: Option<Hold<f64>>) -> (u8, String) {
     let numbers = hold.map_or([0.0; 6], |h| {
         [h.way, h.renewed, h.ahead, h.by_error, h.by_sum, h.most_sum]
     });
-    let numbers = numbers.map(|x| R::of(x).c()).join(", ");
-    (u8::from(hold.is_some()), numbers)
+    (u8::from(hold.is_some()), list::<R>(&numbers))
 }
 
 /// Whether it leaps, and how.
@@ -117,7 +87,7 @@ fn leap<R: Number>(leap: Option<Leap<f64>>) -> (u8, String) {
     let numbers = leap.map_or([0.0; 5], |l| {
         [l.slope, l.level, l.least, l.most, l.valve_open]
     });
-    let numbers = numbers.map(|x| R::of(x).c()).join(", ");
+    let numbers = list::<R>(&numbers);
     let (after, shock) = leap.map_or((0, 0), |l| (l.after, l.shock));
     (
         u8::from(leap.is_some()),
@@ -131,7 +101,7 @@ fn first<R: Number>(first: &[[f64; 2]]) -> (String, String) {
     if count == 0 {
         return (String::new(), "0, 0".to_owned());
     }
-    let row = |firing: &[f64; 2]| format!("    {{{}}},\n", firing.map(|x| R::of(x).c()).join(", "));
+    let row = |firing: &[f64; 2]| format!("    {{{}}},\n", list::<R>(firing));
     let rows = first.iter().map(row).collect::<String>();
     let data = format!(
         "/* Firing angle (rad), valve opening time (s) of the first firings. */\n\
@@ -142,7 +112,6 @@ fn first<R: Number>(first: &[[f64; 2]]) -> (String, String) {
 
 /// The data that a law refers to, and the law.
 fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
-    let c = |x: f64| R::of(x).c();
     match law {
         Law::OverTime {
             amplitude,
@@ -151,15 +120,14 @@ fn law<R: Number>(law: &Law<'_, f64>) -> (String, String) {
             level,
             valve_open,
         } => {
-            let numbers = [*amplitude, *slope, *shift, *level, *valve_open].map(c);
-            let numbers = numbers.join(", ");
+            let numbers = list::<R>(&[*amplitude, *slope, *shift, *level, *valve_open]);
             let law = format!("{{SALTUS_OVER_TIME, {numbers}, 0, 0}}");
             (String::new(), law)
         }
         Law::Lines(knots) => {
             let row = |k: &saltus_controller::run::Knot<f64>| {
-                let knot = [k.rate, k.firing_angle, k.valve_open].map(c);
-                format!("    {{{}}},\n", knot.join(", "))
+                let knot = list::<R>(&[k.rate, k.firing_angle, k.valve_open]);
+                format!("    {{{knot}}},\n")
             };
             let (count, rows) = (knots.len(), knots.iter().map(row).collect::<String>());
             let before = vec![R::ZERO.c(); 5].join(", ");

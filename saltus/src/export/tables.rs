@@ -1,5 +1,7 @@
 //! Tables from the planner, and how far they are from it.
 
+use std::ops::RangeInclusive;
+
 use hmac_sha256::Hash;
 use saltus_controller::{
     Axis, Controller, FiringCurve, FiringTable, LiftOffMap, Limits, MAP_NODE, Rates, Robot, Rule,
@@ -137,8 +139,10 @@ impl<R: Number> Tables<R> {
             valve_open: request.valve_open,
         };
         tables.fill_map(&flown)?;
-        tables.measure_map(&flown)?;
-        tables.measure_table(&flown)?;
+        let (jumps, map) = tables.close_map(&flown, &looks())?;
+        let (more, table) = tables.close_table(&flown, None)?;
+        let jumps = jumps + more;
+        tables.misses = Misses { table, map, jumps };
         tables.check_open()?;
         Ok(tables)
     }
@@ -207,8 +211,9 @@ impl<R: Number> Tables<R> {
             start: Start::of(&self.counted),
             valve_open: request.valve_open,
         };
-        self.close_table(&flown, request)?;
-        self.close_map(&flown)?;
+        let (least, greatest, _) = request.rates;
+        self.close_table(&flown, Some(least..=greatest))?;
+        self.close_map(&flown, &[(0.5, 0.5)])?;
         self.check_open()?;
         let height = self.robot.landing_height;
         let (mut jumps, mut miss) = (0, 0.0_f64);
@@ -226,58 +231,104 @@ impl<R: Number> Tables<R> {
         Ok(())
     }
 
-    /// Closes the cells of the table that miss in the middle or at a corner, of those that a
-    /// program's rates reach.
-    fn close_table(&mut self, flown: &Flown<'_>, request: &Request) -> Result<(), ExportError> {
-        const PLACES: [(f64, f64); 5] =
+    /// Flies what the rule fires all over its cells, and closes those that miss; of a program's `rates` only in the middle
+    /// and at the corners, where they are among these. Gives how many jumps were flown, and the greatest miss (m) that is
+    /// left.
+    fn close_table(
+        &mut self,
+        flown: &Flown<'_>,
+        rates: Option<RangeInclusive<f64>>,
+    ) -> Result<(usize, f64), ExportError> {
+        const CORNERS: [(f64, f64); 5] =
             [(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
-        let (least, greatest) = (request.rates.0, request.rates.1);
-        let columns = self.distances.count.max(2) - 1;
-        let height = self.robot.landing_height;
-        let open: Vec<usize> = (0..self.open.len())
-            .filter(|cell| self.open[*cell] == 1)
-            .collect();
-        for cell in open {
+        let mut places = if rates.is_some() {
+            CORNERS.into()
+        } else {
+            looks()
+        };
+        if self.distances.count == 1 {
+            // One distance is looked at once.
+            places.dedup_by_key(|(s, _)| *s);
+        }
+        let height = self.robot.landing_height.wide();
+        let (mut jumps, mut greatest) = (0, 0.0_f64);
+        for cell in 0..self.open.len() {
+            if self.open[cell] == 0 {
+                continue;
+            }
             let mut worst = 0.0_f64;
-            for (s, t) in PLACES {
-                let rate = between(&self.rates, cell / columns, s);
-                let distance = if self.distances.count > 1 {
-                    between(&self.distances, cell % columns, t)
-                } else {
-                    self.distances.first.wide()
-                };
-                let mut controller = self.controller();
-                // Cells are over the rate at the reference lean.
-                controller.rates.at_firing = false;
-                let angle = controller.firing_angle(R::of(rate), R::of(distance), height);
-                let Ok(angle) = angle.map(Number::wide) else {
-                    continue;
-                };
-                if (least..=greatest).contains(&flown.launch(rate, angle).rate) {
-                    worst = worst.max(flown.miss(rate, angle, distance, height.wide())?);
-                }
+            for &place in &places {
+                let fired = self.fired(cell, place);
+                worst = worst.max(match (fired, &rates) {
+                    (Some([rate, angle, _]), Some(rates))
+                        if !rates.contains(&flown.launch(rate, angle).rate) =>
+                    {
+                        continue;
+                    }
+                    (Some([rate, angle, distance]), _) => {
+                        flown.miss(rate, angle, distance, height)?
+                    }
+                    (None, Some(_)) => continue,
+                    (None, None) => f64::INFINITY,
+                });
+                jumps += 1;
             }
             if worst > self.tolerance {
                 self.open[cell] = 0;
+                let least = self.least_closed.unwrap_or(f64::INFINITY).min(worst);
+                self.least_closed = Some(least).filter(|least| least.is_finite());
+            } else {
+                greatest = greatest.max(worst);
             }
         }
-        Ok(())
+        Ok((jumps, greatest))
     }
 
-    /// Closes the cells of the lift-off map whose middle lands elsewhere.
-    fn close_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
+    /// Rate (rad/s), firing angle (rad) and distance (m) of what the controller fires at a place in a cell, Newton steps and
+    /// all; none where it fires nothing.
+    fn fired(&self, cell: usize, (s, t): (f64, f64)) -> Option<[f64; 3]> {
+        let columns = self.distances.count.max(2) - 1;
+        let rate = between(&self.rates, cell / columns, s);
+        let distance = if self.distances.count > 1 {
+            between(&self.distances, cell % columns, t)
+        } else {
+            self.distances.first.wide()
+        };
+        let mut controller = self.controller();
+        // Cells are over the rate at the reference lean.
+        controller.rates.at_firing = false;
+        let height = self.robot.landing_height;
+        let angle = controller.firing_angle(R::of(rate), R::of(distance), height);
+        Some([rate, angle.ok()?.wide(), distance])
+    }
+
+    /// Holds the landings that the map predicts at `places` within its cells against the jumps flown, and closes the cells
+    /// that miss. Gives how many jumps were flown, and the greatest miss (m) that is left.
+    fn close_map(
+        &mut self,
+        flown: &Flown<'_>,
+        places: &[(f64, f64)],
+    ) -> Result<(usize, f64), ExportError> {
         let columns = self.angles.count - 1;
-        for cell in (0..self.map_open.len())
-            .filter(|cell| self.map_open[*cell] == 1)
-            .collect::<Vec<_>>()
-        {
-            let rate = between(&self.rates, cell / columns, 0.5);
-            let angle = between(&self.angles, cell % columns, 0.5);
-            if self.mapped(flown, rate, angle)? > self.tolerance {
+        let (mut jumps, mut greatest) = (0, 0.0_f64);
+        for cell in 0..self.map_open.len() {
+            if self.map_open[cell] == 0 {
+                continue;
+            }
+            let mut worst = 0.0_f64;
+            for (s, t) in places {
+                let rate = between(&self.rates, cell / columns, *s);
+                let angle = between(&self.angles, cell % columns, *t);
+                worst = worst.max(self.mapped(flown, rate, angle)?);
+                jumps += 1;
+            }
+            if worst > self.tolerance {
                 self.map_open[cell] = 0;
+            } else {
+                greatest = greatest.max(worst);
             }
         }
-        Ok(())
+        Ok((jumps, greatest))
     }
 
     /// The launches that a program gets at the rates and distances of `request` and half way
@@ -381,74 +432,6 @@ impl<R: Number> Tables<R> {
             }
         }
         self.map_open = cells(rates.len(), angles.len(), |i, j| at(i, j).is_some());
-        Ok(())
-    }
-
-    /// Flies what the rule fires, and closes the cells that miss.
-    fn measure_table(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
-        // One distance is looked at once.
-        let columns = self.distances.count.max(2) - 1;
-        let along_distances = if self.distances.count > 1 { LOOKS } else { 1 };
-        for cell in 0..self.open.len() {
-            if self.open[cell] == 0 {
-                continue;
-            }
-            let mut worst = 0.0_f64;
-            for k in 0..LOOKS * along_distances {
-                let rate = between(&self.rates, cell / columns, part(k / along_distances));
-                let distance = if along_distances > 1 {
-                    between(&self.distances, cell % columns, part(k % along_distances))
-                } else {
-                    self.distances.first.wide()
-                };
-                worst = worst.max(self.fired(flown, rate, distance)?);
-                self.misses.jumps += 1;
-            }
-            if worst > self.tolerance {
-                self.open[cell] = 0;
-                self.least_closed = Some(self.least_closed.map_or(worst, |least| least.min(worst)));
-            } else {
-                self.misses.table = self.misses.table.max(worst);
-            }
-        }
-        self.least_closed = self.least_closed.filter(|least| least.is_finite());
-        Ok(())
-    }
-
-    /// How far (m) from `distance` the jump lands that the controller fires, Newton steps and all;
-    /// infinite where it fires none.
-    fn fired(&self, flown: &Flown<'_>, rate: f64, distance: f64) -> Result<f64, ExportError> {
-        let height = self.robot.landing_height;
-        let mut controller = self.controller();
-        // Cells are over the rate at the reference lean.
-        controller.rates.at_firing = false;
-        match controller.firing_angle(R::of(rate), R::of(distance), height) {
-            Ok(angle) => flown.miss(rate, angle.wide(), distance, height.wide()),
-            Err(_) => Ok(f64::INFINITY),
-        }
-    }
-
-    /// Holds the landings that the map predicts against the planner's, and closes the cells that
-    /// miss.
-    fn measure_map(&mut self, flown: &Flown<'_>) -> Result<(), ExportError> {
-        let columns = self.angles.count - 1;
-        for cell in 0..self.map_open.len() {
-            if self.map_open[cell] == 0 {
-                continue;
-            }
-            let mut worst = 0.0_f64;
-            for (s, t) in looks() {
-                let rate = between(&self.rates, cell / columns, s);
-                let angle = between(&self.angles, cell % columns, t);
-                worst = worst.max(self.mapped(flown, rate, angle)?);
-                self.misses.jumps += 1;
-            }
-            if worst > self.tolerance {
-                self.map_open[cell] = 0;
-            } else {
-                self.misses.map = self.misses.map.max(worst);
-            }
-        }
         Ok(())
     }
 
@@ -575,12 +558,11 @@ fn between<R: Number>(axis: &Axis<R>, cell: usize, part: f64) -> f64 {
 }
 
 /// Parts of a cell to look at.
-fn looks() -> impl Iterator<Item = (f64, f64)> {
-    (0..LOOKS * LOOKS).map(|k| (part(k / LOOKS), part(k % LOOKS)))
-}
-
-fn part(k: usize) -> f64 {
-    (k as f64 + 0.5) / LOOKS as f64
+fn looks() -> Vec<(f64, f64)> {
+    let part = |k: usize| (k as f64 + 0.5) / LOOKS as f64;
+    (0..LOOKS * LOOKS)
+        .map(|k| (part(k / LOOKS), part(k % LOOKS)))
+        .collect()
 }
 
 /// For each cell of `rows` × `columns` nodes: 1 if all its corners are known.

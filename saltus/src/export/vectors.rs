@@ -1,39 +1,11 @@
-//! Inputs and answers that written code tests itself with.
+//! Inputs and answers that written code tests itself with, as rows of C.
 
 use saltus_controller::qp::{self, HalfPlane};
-use saltus_controller::{
-    Approach, Axis, Decision, NoTakeOff, Obstacle, Reason, Sensed, TakeOff, Task,
-};
+use saltus_controller::{Approach, Axis, Input, Obstacle, Reason, Sensed, Task, Timing};
 
+use super::c::list;
 use super::numbers::Number;
 use super::tables::{Nodes, Tables};
-
-/// Rate and distance, and the firing angle.
-pub(super) struct Looked<R> {
-    pub(super) given: [R; 2],
-    pub(super) answer: Result<R, Reason>,
-}
-
-/// A decision's input and answer.
-pub(super) struct Decided<R> {
-    pub(super) sensed: Sensed<R>,
-    pub(super) task: Task<R>,
-    pub(super) answer: Result<Decision<R>, Reason>,
-}
-
-/// A take-off's input and answer.
-pub(super) struct Chosen<R> {
-    pub(super) approach: Approach<R>,
-    pub(super) answer: Result<TakeOff<R>, NoTakeOff>,
-}
-
-/// A quadratic program and its answer.
-pub(super) struct Solved<R> {
-    pub(super) h: [R; 3],
-    pub(super) g: [R; 2],
-    pub(super) constraints: [HalfPlane<R>; 4],
-    pub(super) answer: Result<[R; 2], Reason>,
-}
 
 /// Numbers from 0 to 1, the same each time.
 ///
@@ -62,7 +34,7 @@ impl Draw {
 impl<R: Number> Tables<R> {
     /// `count` firing angles for the landing height of the tables: over the rates and distances and
     /// a little beyond.
-    pub(super) fn firing_angles(&self, count: usize) -> Vec<Looked<R>> {
+    pub(super) fn firing_angles(&self, count: usize) -> Vec<String> {
         let mut draw = Draw(4);
         let rates = Axis {
             first: self.counted.least,
@@ -71,10 +43,10 @@ impl<R: Number> Tables<R> {
         };
         let look = |_| {
             let given = [R::of(draw.along(&rates)), R::of(self.distance(&mut draw))];
-            let answer =
-                self.controller()
-                    .firing_angle(given[0], given[1], self.robot.landing_height);
-            Looked { given, answer }
+            let height = self.robot.landing_height;
+            let answer = self.controller().firing_angle(given[0], given[1], height);
+            let (code, angle) = coded(answer, R::ZERO);
+            format!("{}, {code}, {}", list(&given), angle.c())
         };
         (0..count).map(look).collect()
     }
@@ -87,7 +59,7 @@ impl<R: Number> Tables<R> {
     }
 
     /// `count` decisions: over the tables and a little beyond, half of them over an obstacle.
-    pub(super) fn decisions(&self, count: usize) -> Vec<Decided<R>> {
+    pub(super) fn decisions(&self, count: usize) -> Vec<String> {
         let mut draw = Draw(1);
         let start = self.counted.reference_lean.wide();
         let decide = |k: usize| {
@@ -115,18 +87,25 @@ impl<R: Number> Tables<R> {
                 obstacle: (k % 2 == 1).then_some(obstacle),
                 guess: None,
             };
-            let answer = self.controller().decide(&sensed, &task);
-            Decided {
-                sensed,
-                task,
-                answer,
-            }
+            let over = u8::from(task.obstacle.is_some());
+            let numbers = |o: Obstacle<R>| [o.front, o.back, o.height, o.clearance];
+            let obstacle = list(&task.obstacle.map_or([R::ZERO; 4], numbers));
+            let answer = self.controller().decide(&sensed, &task).map(|d| {
+                let (timing, time) = timing(d.timing);
+                let numbers = list(&[d.approach_rate, d.firing_angle, d.valve_open, time]);
+                format!("{numbers}, {timing}, {}", u8::from(d.settled))
+            });
+            let none = format!("{}, SALTUS_WAIT, 0", list(&[R::ZERO; 4]));
+            let (code, answer) = coded(answer, none);
+            let asked = list(&[task.distance, task.landing_height]);
+            let sensed = list(&[sensed.lean, sensed.rate]);
+            format!("{{{sensed}}}, {asked}, {over}, {{{obstacle}}}, {code}, {{{answer}}}")
         };
         (0..count).map(decide).collect()
     }
 
     /// `count` take-offs.
-    pub(super) fn take_offs(&self, count: usize) -> Vec<Chosen<R>> {
+    pub(super) fn take_offs(&self, count: usize) -> Vec<String> {
         let mut draw = Draw(2);
         let radius = self.robot.radius.wide();
         let rates = Axis {
@@ -142,33 +121,78 @@ impl<R: Number> Tables<R> {
                 speed: R::of(draw.along(&rates) * radius),
                 clearance: R::of(0.01),
             };
-            Chosen {
-                approach,
-                answer: self.controller().take_off(&approach),
-            }
+            let a = &approach;
+            let given = list(&[a.distance, a.height, a.length, a.speed, a.clearance]);
+            let answer = match self.controller().take_off(a) {
+                Ok(t) => {
+                    let numbers = [t.approach_rate, t.firing_angle, t.distance, t.clearance];
+                    let (down, numbers) = (t.touch_down, list(&numbers));
+                    format!("SALTUS_OK, SALTUS_NO_INPUT, {{{down}, {numbers}}}")
+                }
+                Err(none) => {
+                    let (code, which) = (status(none.reason), input(none.input));
+                    format!("{code}, {which}, {{0, {}}}", list(&[R::ZERO; 4]))
+                }
+            };
+            format!("{{{given}}}, {answer}")
         };
         (0..count).map(choose).collect()
     }
 
     /// `count` quadratic programs.
-    pub(super) fn programs(count: usize) -> Vec<Solved<R>> {
+    pub(super) fn programs(count: usize) -> Vec<String> {
         let mut draw = Draw(3);
         let solve = |_| {
             let mut signed = || R::of(draw.between(-1.0, 1.0));
             let (a, b, c) = (signed(), signed(), signed());
             let h = [a * a + R::ONE, a * b, b * b + c * c + R::ONE];
             let g = [signed(), signed()];
-            let constraints = std::array::from_fn(|_| HalfPlane {
+            let constraints: [HalfPlane<R>; 4] = std::array::from_fn(|_| HalfPlane {
                 normal: [signed(), signed()],
                 bound: signed() * R::of(0.3),
             });
-            Solved {
-                h,
-                g,
-                constraints,
-                answer: qp::two(h, g, &constraints),
-            }
+            let row = |c: &HalfPlane<R>| format!("{{{{{}}}, {}}}", list(&c.normal), c.bound.c());
+            let rows = constraints.each_ref().map(row).join(", ");
+            let (code, x) = coded(qp::two(h, g, &constraints), [R::ZERO; 2]);
+            let (h, g, x) = (list(&h), list(&g), list(&x));
+            format!("{{{h}}}, {{{g}}}, {{{rows}}}, {code}, {{{x}}}")
         };
         (0..count).map(solve).collect()
+    }
+}
+
+/// The status of C, and the answer or what stands in the place of one.
+fn coded<T>(answer: Result<T, Reason>, none: T) -> (&'static str, T) {
+    match answer {
+        Ok(answer) => ("SALTUS_OK", answer),
+        Err(reason) => (status(reason), none),
+    }
+}
+
+fn status(reason: Reason) -> &'static str {
+    match reason {
+        Reason::OutOfTable => "SALTUS_OUT_OF_TABLE",
+        Reason::Infeasible => "SALTUS_INFEASIBLE",
+        Reason::SensorInvalid => "SALTUS_SENSOR_INVALID",
+        Reason::AskLater => "SALTUS_ASK_LATER",
+    }
+}
+
+fn input(input: Option<Input>) -> &'static str {
+    match input {
+        None => "SALTUS_NO_INPUT",
+        Some(Input::Distance) => "SALTUS_INPUT_DISTANCE",
+        Some(Input::Height) => "SALTUS_INPUT_HEIGHT",
+        Some(Input::Length) => "SALTUS_INPUT_LENGTH",
+        Some(Input::Speed) => "SALTUS_INPUT_SPEED",
+        Some(Input::Clearance) => "SALTUS_INPUT_CLEARANCE",
+    }
+}
+
+fn timing<R: Number>(timing: Timing<R>) -> (&'static str, R) {
+    match timing {
+        Timing::Wait(time) => ("SALTUS_WAIT", time),
+        Timing::Fire(time) => ("SALTUS_FIRE", time),
+        Timing::Late(time) => ("SALTUS_LATE", time),
     }
 }

@@ -101,6 +101,15 @@ pub struct Judgement {
 }
 
 impl Judgement {
+    pub(super) fn new(demand: Demand, margin: f64, value: f64, item: Option<usize>) -> Judgement {
+        Judgement {
+            demand,
+            margin,
+            value,
+            item,
+        }
+    }
+
     /// Whether the demand is met, but for round-off.
     pub fn holds(&self) -> bool {
         self.margin >= -self.demand.round_off()
@@ -180,7 +189,7 @@ pub(super) fn length(x: f64) -> String {
 }
 
 /// What a course demands of its jumps. Places are along the course (m).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Demands {
     /// How far (m) a landing may be from where it is wanted.
     pub tolerance: f64,
@@ -223,15 +232,7 @@ impl Demands {
     pub fn within(tolerance: f64) -> Demands {
         Demands {
             tolerance,
-            obstacles: Vec::new(),
-            clearance: 0.0,
-            leg_out: 0.0,
-            edge_margin: 0.0,
-            avoid: Vec::new(),
-            zones: Vec::new(),
-            goal: None,
-            roll: 0.0,
-            friction: None,
+            ..Demands::default()
         }
     }
 
@@ -263,12 +264,7 @@ impl Demands {
         }
         let outside = self.avoid.iter().enumerate().map(|(item, area)| {
             let margin = (area.low - place).max(place - area.high);
-            Judgement {
-                demand: Demand::Avoid,
-                margin,
-                value: margin,
-                item: Some(item),
-            }
+            Judgement::new(Demand::Avoid, margin, margin, Some(item))
         });
         found.extend(outside.min_by(by_margin));
         let zone = self.zones.get(jump).copied().flatten();
@@ -280,24 +276,14 @@ impl Demands {
         );
         let error = place - wanted;
         let margin = self.tolerance - error.abs();
-        found.push(Judgement {
-            demand: Demand::Tolerance,
-            margin,
-            value: error,
-            item: None,
-        });
+        found.push(Judgement::new(Demand::Tolerance, margin, error, None));
         found
     }
 
     /// Whether there is a surface of this height (m) at `x` (m): its margin counts from the
     /// surface's ends.
     fn ground(&self, x: f64, height: f64) -> Judgement {
-        let judged = |margin, item| Judgement {
-            demand: Demand::Ground,
-            margin,
-            value: margin,
-            item,
-        };
+        let judged = |margin, item| Judgement::new(Demand::Ground, margin, margin, item);
         let tops = self.obstacles.iter().filter(|solid| solid[2] == height);
         let top = tops
             .map(|[front, back, _]| (x - front).min(back - x))
@@ -325,12 +311,7 @@ impl Demands {
                 -inside
             };
             let margin = distance - self.edge_margin;
-            Judgement {
-                demand: Demand::Edge,
-                margin,
-                value: distance,
-                item: Some(item),
-            }
+            Judgement::new(Demand::Edge, margin, distance, Some(item))
         });
         kept.min_by(by_margin)
     }
@@ -380,29 +361,15 @@ impl Demands {
             } else {
                 value - self.clearance
             };
-            Some(Judgement {
-                demand: Demand::Clearance,
-                margin,
-                value,
-                item: Some(item),
-            })
+            let item = Some(item);
+            Some(Judgement::new(Demand::Clearance, margin, value, item))
         });
-        let stance = gaps().map(|(item, gap)| {
-            let value = gap.stance;
-            Judgement {
-                demand: Demand::Stance,
-                margin: value,
-                value,
-                item: Some(item),
-            }
-        });
+        let stance = gaps()
+            .map(|(item, gap)| Judgement::new(Demand::Stance, gap.stance, gap.stance, Some(item)));
         let needed = flown.report.friction_needed;
-        let friction = self.friction.map(|friction| Judgement {
-            demand: Demand::Friction,
-            margin: friction - needed,
-            value: needed,
-            item: None,
-        });
+        let friction = self
+            .friction
+            .map(|friction| Judgement::new(Demand::Friction, friction - needed, needed, None));
         [flight.min_by(by_margin), stance.min_by(by_margin), friction]
             .into_iter()
             .flatten()
@@ -418,12 +385,7 @@ fn inside(demand: Demand, span: Span, place: f64) -> Judgement {
     } else {
         (-before).max(0.0)
     };
-    Judgement {
-        demand,
-        margin: after.min(before),
-        value,
-        item: None,
-    }
+    Judgement::new(demand, after.min(before), value, None)
 }
 
 fn by_margin(a: &Judgement, b: &Judgement) -> std::cmp::Ordering {

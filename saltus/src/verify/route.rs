@@ -158,12 +158,7 @@ fn touchdown(lands: bool) -> Judgement {
     } else {
         f64::NEG_INFINITY
     };
-    Judgement {
-        demand: Demand::Touchdown,
-        margin,
-        value: margin,
-        item: None,
-    }
+    Judgement::new(Demand::Touchdown, margin, margin, None)
 }
 
 impl Plant {

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use saltus::controller::Real;
 use saltus::controller::ball::{Estimate, Firing, Inertial, Lying, Rotation, Sight};
-use saltus::export::{BallFiles, Number};
+use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Ball, Facing, Flashed, Gait, Hearing, Knows, Roll, Stable, roll};
 use saltus::robot::space::{discs, rests};
 use saltus::sim_check::Stepping;
@@ -212,7 +212,7 @@ fn written<R: Number>(run: &Run, folder: Option<&str>) -> Result<(), Failed> {
     if let Some(folder) = folder.map(Path::new) {
         std::fs::create_dir_all(folder)?;
         let robot = saltus::robot::resolve("rats-twelve", &[])?;
-        for (name, text) in BallFiles::new::<R>(&robot, &Stable::default())?.files {
+        for (name, text) in CFiles::stable::<R>(&robot, &Stable::default())?.files {
             std::fs::write(folder.join(name), text)?;
         }
         std::fs::write(folder.join("ball_readings.h"), run.header::<R>())?;

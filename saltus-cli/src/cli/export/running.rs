@@ -1,10 +1,9 @@
 //! `saltus export gait`: what decides on a running robot.
 
 use clap::{Args, Subcommand};
-use saltus::Robot;
-use saltus::export::{BallFiles, Number, Running};
+use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Stable, Steered};
-use saltus::gait::{GaitError, Program, Setup};
+use saltus::gait::{Program, Setup};
 
 use super::{Real, RealType};
 use crate::cli::Status;
@@ -85,29 +84,27 @@ impl OfGait {
 
 impl Flashed {
     fn write<R: Number>(&self, flags: &GaitFlags) -> Result<Status, CliError> {
-        let ball = || flags.robot.any_robot_or("rats-twelve");
-        let (files, about) = match self {
+        let written = match self {
             Flashed::Law(With {
                 of, flags: senses, ..
             }) => running::<R>(of, senses, flags)?,
             Flashed::Speed(senses) => running::<R>(&Law::Speed, senses, flags)?,
-            Flashed::DiscStable => rolling(&ball()?, |robot| {
-                BallFiles::new::<R>(robot, &Stable::default())
-            })?,
-            Flashed::Steer => rolling(&ball()?, |robot| {
-                BallFiles::steered::<R>(robot, &Steered::towards(0.0))
-            })?,
+            Flashed::DiscStable | Flashed::Steer => {
+                let robot = flags.robot.any_robot_or("rats-twelve")?;
+                let written = match self {
+                    Flashed::Steer => CFiles::steered::<R>(&robot, &Steered::towards(0.0)),
+                    _ => CFiles::stable::<R>(&robot, &Stable::default()),
+                };
+                written.map_err(|error| CliError::content(&robot.name, error))?
+            }
         };
-        flags.out.write(files, &about)?;
+        flags.out.write(written.files, &written.about)?;
         Ok(Status::Done)
     }
 }
 
-/// Names and texts of files, and what heads them.
-type Files = ([(&'static str, String); 3], Vec<String>);
-
 /// The files of a robot in its plane.
-fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<Files, CliError> {
+fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<CFiles, CliError> {
     let robot = flags.robot.robot_or("rats-run")?;
     let (program, zone) = law.found(&robot, senses)?;
     let mut setup = match (program, law) {
@@ -119,16 +116,5 @@ fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<F
     setup.zone = zone;
     setup.taps = senses.taps();
     setup.valve_open = law.valve_open().unwrap_or(setup.valve_open);
-    let wrong = |error| CliError::content(&setup.robot.name, error);
-    let written = Running::new::<R>(&setup).map_err(wrong)?;
-    Ok((written.files, written.about))
-}
-
-/// The files of a robot in space.
-fn rolling(
-    robot: &Robot,
-    write: impl FnOnce(&Robot) -> Result<BallFiles, GaitError>,
-) -> Result<Files, CliError> {
-    let written = write(robot).map_err(|error| CliError::content(&robot.name, error))?;
-    Ok((written.files, written.about))
+    CFiles::running::<R>(&setup).map_err(|error| CliError::content(&setup.robot.name, error))
 }

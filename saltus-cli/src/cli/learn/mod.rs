@@ -6,7 +6,8 @@ mod report;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use saltus::gait::Draw;
 use saltus::gait::learn::{Algorithm, Bin, Bins, Reward, Term};
 use saltus::learning::{Learnt, PolicyFile, Settings, Task, learn};
@@ -30,12 +31,12 @@ use crate::progress::Progress;
 )]
 pub(crate) struct Learn {
     /// What is learnt
-    #[arg(value_enum)]
-    task: TaskName,
+    #[arg(value_parser = named(&Task::ALL, Task::name))]
+    task: Task,
 
     /// What learns [default: q, run-zone sarsa-lambda]
-    #[arg(long, value_enum)]
-    algorithm: Option<AlgorithmName>,
+    #[arg(long, value_parser = named(&Algorithm::ALL, Algorithm::name))]
+    algorithm: Option<Algorithm>,
 
     /// Learning rate α, from 0 to 1 [default: 1, with traces 0.8, by strides 0.2]
     #[arg(long, value_name = "NUMBER", value_parser = unit, allow_negative_numbers = true)]
@@ -162,44 +163,16 @@ angle_rad), \"learnt\": {\"mean_of_middle_half\", \"interval_95\"}, \"best\"}, \
 Ctrl-C ends learning after the episodes that run; the answer is then of what was learnt, with exit code 130, and can be resumed. A robot that learns \
 nothing is an answer: the exit code is 0. The answer depends on the seeds alone, not on --threads, nor on whether it was resumed.";
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum TaskName {
-    RunLegs,
-    Climb,
-    RunZone,
-    RunStride,
-    JumpStride,
-}
-
-impl From<TaskName> for Task {
-    fn from(name: TaskName) -> Task {
-        match name {
-            TaskName::RunLegs => Task::RunLegs,
-            TaskName::Climb => Task::Climb,
-            TaskName::RunZone => Task::RunZone,
-            TaskName::RunStride => Task::RunStride,
-            TaskName::JumpStride => Task::JumpStride,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum AlgorithmName {
-    Sarsa,
-    Q,
-    SarsaLambda,
-    QLambda,
-}
-
-impl From<AlgorithmName> for Algorithm {
-    fn from(name: AlgorithmName) -> Algorithm {
-        match name {
-            AlgorithmName::Sarsa => Algorithm::Sarsa,
-            AlgorithmName::Q => Algorithm::Q,
-            AlgorithmName::SarsaLambda => Algorithm::SarsaLambda,
-            AlgorithmName::QLambda => Algorithm::QLambda,
-        }
-    }
+/// Parser of a flag that takes one of `all` by its name.
+fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(all.iter().map(|it| name(*it)));
+    names.map(move |asked| {
+        let is_it = |it: &&T| name(**it) == asked;
+        *all.iter().find(is_it).expect("one of the names")
+    })
 }
 
 /// Parser of a flag.
@@ -337,17 +310,17 @@ impl Learn {
 
     /// The settings of the task, or of what is gone on from, with what the flags change.
     fn settings(&self, before: Option<&Before>) -> Result<Settings, CliError> {
-        let task = Task::from(self.task);
+        let task = self.task;
         let robot = || self.robot.robot_or("rats-run");
         let mut settings = if let Some(before) = before {
             let mut settings = before.settings(task)?;
-            settings.algorithm = self.algorithm.map_or(settings.algorithm, Algorithm::from);
+            settings.algorithm = self.algorithm.unwrap_or(settings.algorithm);
             if self.robot.are_given() {
                 settings.plant.robot = robot()?;
             }
             settings
         } else {
-            let algorithm = self.algorithm.map_or(task.algorithm(), Algorithm::from);
+            let algorithm = self.algorithm.unwrap_or(task.algorithm());
             task.settings(robot()?, algorithm)
         };
         if self.lambda.is_some() && !settings.algorithm.has_traces() {

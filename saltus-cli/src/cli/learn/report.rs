@@ -8,8 +8,9 @@ use saltus::running::Share;
 use serde_json::{Value, json};
 
 use crate::output::{self, Cell, Table, digits};
-use crate::plot::Drawing;
-use crate::plot::curves::{Curve, Curves};
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::BLUE;
+use crate::plot::sheet::{Panel, Sheet};
 
 const COLUMNS: &[&str] = &[
     "seed",
@@ -251,24 +252,28 @@ impl Report<'_> {
     }
 
     /// The curve with its band.
-    pub(super) fn drawing(&self) -> Drawing {
+    pub(super) fn drawing(&self) -> Sheet {
         let curve = self.curve();
-        let line = |label: &str, of: fn(&Interval) -> f64| Curve {
-            label: label.into(),
-            points: curve
-                .iter()
-                .enumerate()
-                .map(|(episode, it)| ((episode + 1) as f64, Some(of(it))))
-                .collect(),
-            late: Vec::new(),
-        };
-        let band = |label: &str, of: fn(&Interval) -> f64| {
-            let mut band = line(label, of);
-            band.late = std::mem::take(&mut band.points);
-            band
+        let line = |width, of: fn(&Interval) -> f64| {
+            let points = curve.iter().enumerate();
+            let points = points.map(|(episode, it)| ((episode + 1) as f64, of(it)));
+            Line::new(Mark::Stroke(width), BLUE, points)
         };
         let s = self.settings;
-        Drawing::Curves(Curves {
+        let panel = Panel {
+            x: "episode",
+            y: match s.task {
+                Task::RunLegs => "angle in the episode (rad)",
+                _ => "travel in the episode (m)",
+            },
+            lines: vec![
+                line(3, |it| it.value).called("thick: mean of the middle half"),
+                line(1, |it| it.interval[0]).called("thin: 95 % interval"),
+                line(1, |it| it.interval[1]),
+            ],
+            ..Panel::default()
+        };
+        Sheet {
             title: format!(
                 "{}: {} by {}, {} seeds: mean of the middle half, 95 % interval thin",
                 s.plant.robot.name,
@@ -276,19 +281,9 @@ impl Report<'_> {
                 s.algorithm.name(),
                 self.learnt.pupils.len()
             ),
-            x: "episode",
-            y: match s.task {
-                Task::RunLegs => "angle in the episode (rad)",
-                _ => "travel in the episode (m)",
-            },
-            lines: vec![
-                band("", |it| it.interval[0]),
-                line("mean", |it| it.value),
-                band("", |it| it.interval[1]),
-            ],
-            late: "thin: 95 % interval",
-            empty: "no episode".into(),
-        })
+            wide: vec![panel],
+            ..Sheet::default()
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! `saltus plan`: the rolling robot over a course of obstacles.
 
 mod report;
-mod scene;
+pub(crate) mod scene;
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -21,7 +21,6 @@ use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
 use crate::output::{self, Format, digits};
-use crate::plot::Drawing;
 use crate::progress::Progress;
 
 use report::{Hold, Report};
@@ -183,11 +182,7 @@ impl Plan {
             Format::Json => report.json(robot, &file),
             Format::Text => report.text(robot, &file),
         };
-        let drawing = || {
-            Ok(Drawing::Scene(scene::scene(
-                &answer, &crossing, &planner, &file,
-            )))
-        };
+        let drawing = || Ok(scene::scene(&answer, &crossing, &planner, &file));
         self.common.write(report, drawing)?;
         match answer {
             CrossingAnswer::Plan(plan) if plan.holds() && is_enough && !interrupt.came() => {

@@ -1,5 +1,6 @@
 //! Plans as a drawing.
 
+use saltus::Jump;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::Span;
 use saltus::planner::{
@@ -8,8 +9,13 @@ use saltus::planner::{
 
 use super::report::{Answer, off_target};
 use crate::output::digits;
-use crate::plot::ground::Ground;
-use crate::plot::scene::{Leap, Scene};
+use crate::plot::ground::{CELLAR, Ground};
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::{BLUE, GREY, INK, RED};
+use crate::plot::sheet::{Label, Panel, Sheet, Side};
+
+/// Wheels drawn along a flight.
+const WHEELS: usize = 6;
 
 /// The course with the plan, if there is one.
 pub(super) fn scene(
@@ -17,102 +23,139 @@ pub(super) fn scene(
     crossing: &Crossing,
     planner: &Planner<Corrected>,
     file: &str,
-) -> Scene {
+) -> Sheet {
     let (jumps, checks) = match answer {
         CrossingAnswer::Plan(plan) => (plan.jumps.as_slice(), plan.checks.as_slice()),
         _ => (&[][..], &[][..]),
     };
     let missed: Vec<&Check> = checks.iter().filter(|check| !check.holds()).collect();
-    let goal = (crossing.course.goal.low > ANYWHERE.low
-        || crossing.course.goal.high < ANYWHERE.high)
-        .then(|| ends(&crossing.course.goal));
+    let course = &crossing.course;
+    let is_bounded = course.goal.low > ANYWHERE.low || course.goal.high < ANYWHERE.high;
+    let boxes = course.obstacles.iter();
+    let ground = Ground {
+        obstacles: boxes.map(|it| (ends(&it.span()), it.height)).collect(),
+        avoid: course.no_landing.iter().map(ends).collect(),
+        land: crossing.zones.iter().flatten().map(ends).collect(),
+        goal: is_bounded.then(|| ends(&course.goal)),
+        target: Some(crossing.target),
+        missed: Vec::new(),
+    };
     let radius = planner.robot().body.radius;
-    let leaps = jumps.iter().enumerate().map(|(i, jump)| Leap {
-        fails: missed.iter().any(|check| check.jump == i),
-        ..leap(jump, planner)
-    });
-    let boxes = crossing
-        .course
-        .obstacles
-        .iter()
-        .map(|obstacle| (ends(&obstacle.span()), obstacle.height));
-    Scene {
-        title: match jumps {
-            [] => format!("{}: no plan for {file}", planner.robot().name),
-            [.., last] => format!(
-                "{}: plan for {file}: lands {}",
-                planner.robot().name,
-                off_target(last.landing[0], crossing.target)
-            ),
-        },
-        missed: missed
-            .iter()
-            .map(|check| {
-                format!(
-                    "FAILS: jump {}: {} {}",
-                    check.jump + 1,
-                    check.what,
-                    digits(check.value, 4)
-                )
-            })
-            .collect(),
-        radius,
-        start: (crossing.course.start, crossing.course.start_height),
-        ground: Ground {
-            obstacles: boxes.collect(),
-            avoid: crossing.course.no_landing.iter().map(ends).collect(),
-            land: crossing.zones.iter().flatten().map(ends).collect(),
-            goal,
-            target: Some(crossing.target),
-            target_name: "target",
-            missed: Vec::new(),
-        },
-        leaps: leaps.collect(),
+    let mut panel = Panel {
+        least: Some([
+            [course.start - radius, course.start + radius],
+            [-CELLAR, 3.0 * radius],
+        ]),
+        notes: missed.iter().map(|check| (why(check), RED)).collect(),
+        ..ground.panel()
+    };
+    let words = "wheel's centre: stance solid, flight dotted";
+    panel.lines.push(Line::note(words, INK));
+    for (i, jump) in jumps.iter().enumerate() {
+        let fails = missed.iter().any(|check| check.jump == i);
+        leap(jump, planner, fails, &mut panel);
     }
+    let plan = match jumps {
+        [] => format!("no plan for {file}"),
+        [.., last] => format!(
+            "plan for {file}: lands {}",
+            off_target(last.landing[0], crossing.target)
+        ),
+    };
+    Sheet {
+        title: format!("{}: {plan}", planner.robot().name),
+        wide: vec![panel],
+        ..Sheet::default()
+    }
+}
+
+fn why(check: &Check) -> String {
+    let number = check.jump + 1;
+    let value = digits(check.value, 4);
+    format!("FAILS: jump {number}: {} {value}", check.what)
 }
 
 fn ends(span: &Span) -> (f64, f64) {
     (span.low, span.high)
 }
 
-fn leap(planned: &PlannedJump, planner: &Planner<Corrected>) -> Leap {
-    const POINTS: usize = 400;
-    let [x, y] = planned.foot;
-    let launch = &planned.jump.launch;
-    let angle = digits(launch.firing_angle, 3);
-    // The plan was flown already, so there is a trace.
-    let way = planner.model().traced(launch).map(|traced| traced.way);
-    let end = planner.robot().body.radius + planned.landing[1] - y;
-    let flight = planned
-        .jump
-        .flight
-        .as_ref()
-        .and_then(|flight| Some((flight, flight.time_to_height(end).ok()?)));
-    let flight = flight.map_or(Vec::new(), |(flight, time)| {
-        let at = |k: usize| {
-            let [[dx, dy], _] = flight.motion(time * k as f64 / POINTS as f64);
-            (x + dx, y + dy)
-        };
+/// The path of the axle (m) from the foothold in a jump of `planner`: while the foot stands, and from lift-off to the landing
+/// at `height` (m); empty where there is none.
+pub(crate) fn path(jump: &Jump, height: f64, planner: &Planner<Corrected>) -> [Vec<(f64, f64)>; 2] {
+    const POINTS: usize = 200;
+    let traced = planner.model().traced(&jump.launch);
+    let way = traced.map_or(Vec::new(), |traced| traced.way);
+    let stance = way.iter().map(|at| (at.centre[0], at.centre[1]));
+    let flight = jump.flight.as_ref();
+    let flight = flight.and_then(|flight| Some((flight.time_to_height(height).ok()?, flight)));
+    let flight = flight.map_or(Vec::new(), |(time, flight)| {
+        let at = |k: usize| flight.motion(time * k as f64 / POINTS as f64)[0].into();
         (0..=POINTS).map(at).collect()
     });
-    Leap {
-        foot: (x, y),
-        stance: way
-            .unwrap_or_default()
-            .iter()
-            .map(|at| (x + at.centre[0], y + at.centre[1]))
-            .collect(),
-        flight,
-        fails: false,
-        label: if planner.robot().leg.drive.has_valve() {
-            format!(
-                "α_f = {angle} rad, valve {} ms",
-                digits(1e3 * launch.valve_open, 3)
-            )
-        } else {
-            format!("α_f = {angle} rad")
-        },
+    [stance.collect(), flight]
+}
+
+/// Adds a jump: the wheel along its path, the leg at lift-off, the foothold and how it is fired.
+fn leap(planned: &PlannedJump, planner: &Planner<Corrected>, fails: bool, panel: &mut Panel) {
+    let (foot, radius) = (planned.foot, planner.robot().body.radius);
+    let launch = &planned.jump.launch;
+    let moved = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
+        let points = points.into_iter();
+        points.map(|(x, y)| (foot[0] + x, foot[1] + y)).collect()
+    };
+    let height = radius + planned.landing[1] - foot[1];
+    let [stance, flight] = path(&planned.jump, height, planner).map(moved);
+    let color = if fails { RED } else { BLUE };
+    let last = flight.len().saturating_sub(1);
+    for i in 0..=WHEELS {
+        let Some(&centre) = flight.get(i * last / WHEELS) else {
+            continue;
+        };
+        let (opacity, rim) = match i {
+            0 | WHEELS => (0.10, INK),
+            _ => (0.05, GREY),
+        };
+        let disc = disc(centre, radius);
+        panel.lines.extend([
+            Line::new(Mark::Shape(opacity), color, disc.clone()),
+            Line::new(Mark::Stroke(1), rim, disc),
+        ]);
     }
+    let angle = digits(launch.firing_angle, 3);
+    let mut words = format!("α_f = {angle} rad");
+    if planner.robot().leg.drive.has_valve() {
+        words += &format!(", valve {} ms", digits(1e3 * launch.valve_open, 3));
+    }
+    let apex = flight.iter().copied();
+    panel.labels.push(Label {
+        words: words.replace('-', "−"),
+        places: apex
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .into_iter()
+            .collect(),
+        side: Side::Above,
+        color: INK,
+    });
+    let leg = stance
+        .last()
+        .into_iter()
+        .flat_map(|end| [foot.into(), *end]);
+    panel.lines.extend([
+        Line::new(Mark::Stroke(3), INK, leg),
+        Line::new(Mark::Stroke(3), color, stance.clone()),
+        Line::new(Mark::Dotted, color, flight),
+        Line::new(Mark::Disc(4), INK, [foot.into()]),
+    ]);
+}
+
+/// The rim of a wheel.
+fn disc((x, y): (f64, f64), radius: f64) -> Vec<(f64, f64)> {
+    const SIDES: u32 = 72;
+    let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(SIDES);
+    (0..=SIDES)
+        .map(turn)
+        .map(|angle| (x + radius * angle.cos(), y + radius * angle.sin()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -145,9 +188,23 @@ mod tests {
         };
         let planner = crossed.planner;
         let drawn = |plan| scene(&CrossingAnswer::Plan(plan), &crossing, &planner, "two.toml");
+        // The paths and wheels of jumps that fail.
+        let red = |sheet: &Sheet| {
+            let lines = sheet.wide[0].lines.iter();
+            lines
+                .filter(|line| line.mark == Mark::Dotted && line.color == RED)
+                .count()
+        };
         let good = drawn(plan.clone());
-        assert!(good.missed.is_empty() && good.leaps.iter().all(|leap| !leap.fails));
-        assert_eq!(good.ground.goal, Some((1.6, 1.9)));
+        assert_eq!((good.wide[0].notes.len(), red(&good)), (0, 0));
+        let words = |sheet: &Sheet| {
+            sheet.wide[0]
+                .lines
+                .iter()
+                .filter_map(|line| line.label.clone())
+                .collect::<Vec<_>>()
+        };
+        assert!(words(&good).contains(&"strip: the goal".to_owned()));
         let allowed = Span::new(0.01, f64::INFINITY);
         plan.checks.push(Check {
             jump: 1,
@@ -157,10 +214,7 @@ mod tests {
             round_off: 1e-6,
         });
         let bad = drawn(plan);
-        assert_eq!(bad.missed, ["FAILS: jump 2: clearance (m) 0.004"]);
-        assert_eq!(
-            bad.leaps.iter().map(|leap| leap.fails).collect::<Vec<_>>(),
-            [false, true]
-        );
+        assert_eq!(bad.wide[0].notes[0].0, "FAILS: jump 2: clearance (m) 0.004");
+        assert_eq!(red(&bad), 1);
     }
 }

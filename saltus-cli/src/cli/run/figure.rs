@@ -4,13 +4,12 @@ use saltus::gait::Program;
 
 use super::follow::Thinned;
 use super::report::Report;
-use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::BLUE;
 use crate::plot::sheet::{Panel, Sheet};
 
 /// Wheel angle, rate, firing angle and speed over time, each on the thesis' axis at least.
-pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
+pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Sheet {
     let end = report.setup.seconds;
     // Where no leg was to fire, the line of its angle is cut.
     let stretches = |column: usize| {
@@ -29,6 +28,7 @@ pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
         y,
         lines: stretches(column),
         least: Some([[0.0, end], least]),
+        ..Panel::default()
     };
     let angles = match report.chosen.program {
         Program::OpenLoop { .. } => [0.0, 0.35],
@@ -36,9 +36,8 @@ pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
     };
     let sign = if report.chosen.forwards { 1.0 } else { -1.0 };
     let [low, high] = [sign * 0.0_f64, sign * 3.5];
-    Drawing::Sheet(Sheet {
+    Sheet {
         title: report.title(),
-        course: None,
         panels: vec![
             panel("Wheel angle", "wheel angle (rad)", 1, [-50.0, 150.0]),
             panel("Filtered rate", "rate (rad/s)", 2, [-5.0, 15.0]),
@@ -50,5 +49,6 @@ pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Drawing {
                 [low.min(high), low.max(high)],
             ),
         ],
-    })
+        ..Sheet::default()
+    }
 }

@@ -1,17 +1,24 @@
-//! Jumps as a family of paths.
+//! Jumps as a family of paths of the wheel's centre: stance solid, flight dotted.
+//!
+//! Source: thesis, figure 5.9.
 
 use saltus::{Launch, Robot};
 
 use super::compute::Answer;
 use super::text::short;
+use crate::plot::line::{Line, Mark};
+use crate::plot::palette::{GREY, INK, RED, shade};
+use crate::plot::sheet::{Label, Panel, Sheet, Side};
 use crate::plot::tick;
-use crate::plot::trajectories::{Trajectories, Trajectory};
+
+/// Space (m) under the ground for the labels.
+const CELLAR: f64 = 0.06;
 
 /// What may tell two launches apart.
 type Key = fn(&Launch) -> f64;
 
 /// The paths of the wheel's centre.
-pub(super) fn family(answers: &[Answer], robot: &Robot) -> Trajectories {
+pub(super) fn family(answers: &[Answer], robot: &Robot) -> Sheet {
     let differs = |key: Key| {
         answers
             .windows(2)
@@ -23,15 +30,34 @@ pub(super) fn family(answers: &[Answer], robot: &Robot) -> Trajectories {
         ("valve opening time (s)", |launch| launch.valve_open),
         ("start lean φ₀ (rad)", |launch| launch.lean),
     ];
-    let (labels, key) = keys
+    let (names, key) = keys
         .into_iter()
         .find(|(_, key)| differs(*key))
         .unwrap_or(keys[0]);
-    let path = |answer: &Answer| Trajectory {
-        stance: answer.path.clone(),
-        flight: flight_path(answer),
-        label: tick(key(&answer.jump.launch)),
-    };
+    let level = |height| [(f64::NEG_INFINITY, height), (f64::INFINITY, height)];
+    let words = format!("stance solid, flight dotted; under each path {names}");
+    let mut lines = vec![
+        Line::new(Mark::Stroke(2), INK, level(0.0)).called(words),
+        Line::new(Mark::Stroke(1), GREY, level(robot.body.radius)).called("wheel's radius"),
+    ];
+    let mut labels = Vec::new();
+    for (i, answer) in answers.iter().enumerate() {
+        let (color, flight) = (shade(i, answers.len()), flight_path(answer));
+        let stance = answer.path.iter().copied();
+        lines.push(Line::new(Mark::Stroke(3), color, stance.clone()));
+        if let Some((x, _)) = flight.last() {
+            labels.push(Label {
+                words: tick(key(&answer.jump.launch)),
+                places: vec![(*x, 0.0)],
+                side: Side::Below,
+                color: INK,
+            });
+        } else {
+            lines.push(Line::new(Mark::Cross, RED, stance.last()));
+        }
+        lines.push(Line::new(Mark::Dotted, color, flight));
+    }
+    lines.push(Line::new(Mark::Disc(4), INK, [(0.0, 0.0)]));
     let rate = answers
         .first()
         .filter(|_| !differs(|launch| launch.rate))
@@ -44,11 +70,19 @@ pub(super) fn family(answers: &[Answer], robot: &Robot) -> Trajectories {
         ),
         None => format!("{}: path of the wheel's centre", robot.name),
     };
-    Trajectories {
+    let panel = Panel {
+        x: "x (m)",
+        y: "y (m)",
+        lines,
+        labels,
+        least: Some([[0.0; 2], [-CELLAR, 0.0]]),
+        is_to_scale: true,
+        ..Panel::default()
+    };
+    Sheet {
         title,
-        labels: labels.into(),
-        paths: answers.iter().map(path).collect(),
-        radius: robot.body.radius,
+        wide: vec![panel],
+        ..Sheet::default()
     }
 }
 

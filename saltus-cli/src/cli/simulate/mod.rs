@@ -18,7 +18,6 @@ use super::recorded::{Beside, McapOption};
 use super::terms::{StartLean, VALVE_OPEN, start_lean};
 use crate::error::CliError;
 use crate::output::Format;
-use crate::plot::Drawing;
 use crate::range::{Values, angles, rates, times};
 
 /// Most jumps that one call without a batch makes.
@@ -135,7 +134,7 @@ impl Simulate {
             Format::Json => report::json(&answers, &robot),
             Format::Text => text::text(&answers, &robot),
         };
-        let drawing = || Ok(Drawing::Trajectories(family::family(&answers, &robot)));
+        let drawing = || Ok(family::family(&answers, &robot));
         let mcap = self.recorded(&answers, &robot)?;
         self.common.write_with(report, drawing, mcap)?;
         Ok(Status::Done)

@@ -6,7 +6,7 @@ use saltus::verify::{Demand, Flown, Judgement, Outcome, RunJump};
 
 use super::context::Context;
 use super::drawing::{missed, path, planned};
-use crate::animation::{self, Asked, Obstacle, Scene, Zone, page};
+use crate::animation::{Jump, Obstacle, Scene, Zone, page};
 use crate::output::digits;
 use crate::plot::ground::Part;
 
@@ -104,11 +104,7 @@ fn miss(outcome: &Outcome) -> f64 {
 }
 
 /// Adds the jumps of a run that were simulated, each among the paths of the others.
-fn run(
-    outcome: &Outcome,
-    context: &Context<'_>,
-    jumps: &mut Vec<animation::Jump>,
-) -> Result<(), SimError> {
+fn run(outcome: &Outcome, context: &Context<'_>, jumps: &mut Vec<Jump>) -> Result<(), SimError> {
     let flown: Vec<(RunJump<'_>, &Flown)> = outcome
         .jumps()
         .filter_map(|jump| Some((jump, jump.attempt.flown()?)))
@@ -155,15 +151,12 @@ fn name(one: &RunJump<'_>, context: &Context<'_>) -> String {
     name.replace('-', "−")
 }
 
-fn jump(
-    one: &RunJump<'_>,
-    flown: &Flown,
-    context: &Context<'_>,
-) -> Result<animation::Jump, SimError> {
+fn jump(one: &RunJump<'_>, flown: &Flown, context: &Context<'_>) -> Result<Jump, SimError> {
     let RunJump { trial, attempt, .. } = one;
     let stage = one.stage();
     // The path is drawn from where the foot stands, the plan from where it should.
-    let asked = Asked {
+    let rig = context.plant.rig()?;
+    let asked = Jump {
         name: name(one, context),
         verdict: verdict(one, flown),
         passed: attempt.passes(),
@@ -173,9 +166,9 @@ fn jump(
             .collect(),
         planned_apex_m: stage.apex - attempt.foot[1],
         planned_land_m: stage.landing - attempt.foot[0],
-        landing_height_m: stage.landing_height,
+        ..Jump::default()
     };
-    let mut shown = animation::Jump::of(&context.plant.rig()?, &flown.report, asked);
+    let mut shown = Jump::of(&rig, &flown.report, stage.landing_height, asked);
     shown.stand_at(
         attempt.foot,
         context.plant.robot().boom.map(|boom| boom.length),

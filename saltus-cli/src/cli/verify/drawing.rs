@@ -1,27 +1,26 @@
 //! A verification as a drawing: the course with paths and landings, forces and slip, landing
 //! errors.
 
-use saltus::Launch;
-use saltus::planner::JumpModel;
-use saltus::verify::{Attempt, Demand, Flown as Simulated, Outcome, RunJump, Subject, Verdict};
+use saltus::verify::{Attempt, Demand, Flown, Outcome, RunJump, Subject, Verdict};
 
 use super::context::Context;
 use super::report::{NOTHING, failure_text};
+use crate::cli::plan::scene;
 use crate::output::digits;
-use crate::plot::Drawing;
-use crate::plot::flown::Flown;
 use crate::plot::ground::{Ground, Part};
 use crate::plot::line::{Line, Mark};
-use crate::plot::palette::{BLUE, GREY, RED, viridis};
+use crate::plot::palette::{BLUE, GREEN, GREY, INK, RED, shade};
 use crate::plot::sheet::{Panel, Sheet};
 
 /// Most runs whose paths are drawn.
 const PATHS: usize = 9;
+/// Where the bands of the tolerance lie (m under the surface landed on).
+const BAND: [f64; 2] = [-0.06, -0.04];
 /// Most lines of the verdict.
 const LINES: usize = 4;
 
 /// The course, forces and slip of the jump without errors that misses most, and all landing errors.
-pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Drawing {
+pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> Sheet {
     let nominal: Vec<&Outcome> = outcomes.iter().filter(|o| !o.trial.has_errors()).collect();
     let miss = |jump: &RunJump<'_>| jump.miss().map_or(f64::INFINITY, f64::abs);
     let flown = nominal
@@ -40,87 +39,89 @@ pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'
         context.title,
         context.plant.robot().name
     );
-    Drawing::Sheet(Sheet {
+    Sheet {
         title,
-        course: Some(course(&nominal, outcomes, verdict, context)),
+        wide: vec![course(&nominal, outcomes, verdict, context)],
         panels,
-    })
+    }
 }
 
+/// The course as it was jumped: planned and simulated paths, landings, what is missed, and the verdict.
 fn course(
     nominal: &[&Outcome],
     outcomes: &[Outcome],
     verdict: &Verdict,
     context: &Context<'_>,
-) -> Flown {
+) -> Panel {
+    let mut panel = ground(outcomes, context).panel();
+    panel.y = "height of the axle (m)";
+    let lines = &mut panel.lines;
     let shown: Vec<&&Outcome> = nominal
         .iter()
         .step_by(nominal.len().div_ceil(PATHS).max(1))
         .collect();
-    let mut paths = Vec::new();
+    let stages = || shown.iter().flat_map(|outcome| &outcome.trial.route.stages);
+    let tolerance = context.how.tolerance;
+    let mut band = Some("band: tolerance of the landing".to_owned());
+    for stage in stages().filter(|stage| stage.wanted.is_finite()) {
+        let (x, y) = (stage.wanted, stage.surface.unwrap_or(0.0));
+        let corners = [(x - tolerance, y + BAND[0]), (x + tolerance, y + BAND[1])];
+        lines.push(Line {
+            label: band.take(),
+            ..Line::new(Mark::Area(0.35), BLUE, corners)
+        });
+    }
     let mut dashed = Some("planned".to_owned());
     for (i, outcome) in shown.iter().enumerate() {
-        let color = viridis(0.88 * i as f64 / shown.len().saturating_sub(1).max(1) as f64);
+        let color = shade(i, shown.len());
         let mut label = Some(label(outcome, context));
         for jump in outcome.jumps() {
-            let plan = planned(&jump, context);
-            paths.push(Line {
+            lines.push(Line {
                 label: dashed.take(),
-                points: plan,
-                color: GREY,
-                mark: Mark::Dashed,
+                ..Line::new(Mark::Dashed, GREY, planned(&jump, context))
             });
             let color = if jump.attempt.passes() { color } else { RED };
-            let points = simulated(&jump);
-            paths.push(Line {
+            lines.push(Line {
                 label: label.take(),
-                points,
-                color,
-                mark: Mark::Solid,
+                ..Line::new(Mark::Solid, color, simulated(&jump))
             });
         }
     }
-    let stages = shown.iter().flat_map(|outcome| &outcome.trial.route.stages);
-    let surface = |jump: &RunJump<'_>| jump.stage().surface.unwrap_or(0.0);
-    let landing = |jump: RunJump<'_>| {
-        Some((
-            (jump.attempt.landing()?, surface(&jump)),
-            jump.attempt.passes(),
-        ))
-    };
-    let tolerance = context.how.tolerance;
-    let failures = verdict
-        .failures
-        .iter()
-        .take(LINES - 1)
-        .map(|f| failure_text(f, context));
-    let word = if verdict.passes { "PASS" } else { "FAIL" };
-    Flown {
-        ground: ground(outcomes, context),
-        paths,
-        feet: stages.clone().map(|stage| stage.foot.into()).collect(),
-        wanted: stages
-            .filter(|stage| stage.wanted.is_finite())
-            .map(|stage| ((stage.wanted, stage.surface.unwrap_or(0.0)), tolerance))
-            .collect(),
-        landings: outcomes
-            .iter()
-            .flat_map(Outcome::jumps)
-            .filter_map(landing)
-            .collect(),
-        passes: verdict.passes,
-        verdict: std::iter::once(word.to_owned()).chain(failures).collect(),
+    let all = || outcomes.iter().flat_map(Outcome::jumps);
+    for (passes, color, words) in [
+        (true, GREEN, "dots: landings that meet every demand"),
+        (false, RED, "dots: landings that miss one"),
+    ] {
+        let these = all().filter(|jump| jump.attempt.passes() == passes);
+        let places = these.filter_map(|jump| {
+            let landing = jump.attempt.landing()?;
+            Some((landing, jump.stage().surface.unwrap_or(0.0)))
+        });
+        let dots = Line::new(Mark::Dots, color, places);
+        if !dots.points.is_empty() {
+            lines.push(dots.called(words));
+        }
     }
+    let feet = stages().map(|stage| stage.foot.into());
+    lines.push(Line::new(Mark::Disc(4), INK, feet));
+    let word = if verdict.passes {
+        ("PASS".into(), GREEN)
+    } else {
+        ("FAIL".into(), RED)
+    };
+    let failures = verdict.failures.iter().take(LINES - 1);
+    let failures = failures.map(|f| (failure_text(f, context), RED));
+    panel.notes = std::iter::once(word).chain(failures).collect();
+    panel
 }
 
 /// What stands and lies on the course; what any run misses is marked.
 fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
     let demands = &outcomes[0].trial.route.demands;
     let ends = |span: &saltus::planner::course::Span| (span.low, span.high);
+    let boxes = demands.obstacles.iter();
     Ground {
-        obstacles: demands
-            .obstacles
-            .iter()
+        obstacles: boxes
             .map(|[front, back, top]| ((*front, *back), *top))
             .collect(),
         avoid: demands.avoid.iter().map(ends).collect(),
@@ -130,7 +131,6 @@ fn ground(outcomes: &[Outcome], context: &Context<'_>) -> Ground {
             Subject::Plan { crossing, .. } => Some(crossing.target),
             Subject::Rule(rule) => rule.distance,
         },
-        target_name: "target",
         missed: outcomes
             .iter()
             .flat_map(Outcome::jumps)
@@ -209,7 +209,7 @@ fn simulated(jump: &RunJump<'_>) -> Vec<(f64, f64)> {
 /// above its foothold).
 pub(super) fn path<'a>(
     attempt: &'a Attempt,
-    flown: &'a Simulated,
+    flown: &'a Flown,
     height: f64,
 ) -> impl Iterator<Item = (f64, f64)> + 'a {
     let samples = &flown.report.samples;
@@ -234,36 +234,18 @@ pub(super) fn path<'a>(
 
 /// The planner's path of the axle (m along the course, and up).
 pub(super) fn planned(jump: &RunJump<'_>, context: &Context<'_>) -> Vec<(f64, f64)> {
-    let stage = jump.stage();
-    let [x, y] = stage.foot;
-    let path = planned_path(&stage.launch, stage.landing_height, context);
-    path.into_iter().map(|(dx, dy)| (x + dx, y + dy)).collect()
-}
-
-/// The same from the foothold.
-fn planned_path(launch: &Launch, landing_height: f64, context: &Context<'_>) -> Vec<(f64, f64)> {
-    const POINTS: usize = 120;
-    let Ok(traced) = context.planner.model().traced(launch) else {
+    let (stage, planner) = (jump.stage(), context.planner);
+    let Ok(jump) = planner.jump(&stage.launch) else {
         return Vec::new();
     };
-    let way = traced.way.iter();
-    let mut points: Vec<(f64, f64)> = way.map(|at| (at.centre[0], at.centre[1])).collect();
-    if let Some((flight, time)) = traced
-        .jump
-        .flight
-        .and_then(|f| Some((f.clone(), f.time_to_height(landing_height).ok()?)))
-    {
-        let at = |k: usize| {
-            let [[x, y], _] = flight.motion(time * k as f64 / POINTS as f64);
-            (x, y)
-        };
-        points.extend((0..=POINTS).map(at));
-    }
-    points
+    let path = scene::path(&jump, stage.landing_height, planner);
+    let [x, y] = stage.foot;
+    let path = path.into_iter().flatten();
+    path.map(|(dx, dy)| (x + dx, y + dy)).collect()
 }
 
 /// Samples while the foot is on the ground.
-fn standing(flown: &Simulated) -> impl Iterator<Item = &saltus::sim_check::Sample> {
+fn standing(flown: &Flown) -> impl Iterator<Item = &saltus::sim_check::Sample> {
     let lift_off = flown.report.lift_off.map_or(f64::INFINITY, |l| l.time);
     flown
         .report
@@ -272,14 +254,10 @@ fn standing(flown: &Simulated) -> impl Iterator<Item = &saltus::sim_check::Sampl
         .filter(move |s| s.time <= lift_off)
 }
 
-fn forces(name: &str, flown: &Simulated) -> Panel {
-    let curve = |label: &str, k: usize, color| Line {
-        label: Some(label.into()),
-        points: standing(flown)
-            .map(|s| (1e3 * s.time, s.force[k]))
-            .collect(),
-        color,
-        mark: Mark::Solid,
+fn forces(name: &str, flown: &Flown) -> Panel {
+    let curve = |label: &str, k: usize, color| {
+        let points = standing(flown).map(|s| (1e3 * s.time, s.force[k]));
+        Line::new(Mark::Solid, color, points).called(label)
     };
     Panel {
         title: format!("force on the foot, the jump off its plan most: {name}"),
@@ -290,12 +268,12 @@ fn forces(name: &str, flown: &Simulated) -> Panel {
             curve("along the travel", 1, RED),
             curve("across", 2, GREY),
         ],
-        least: None,
+        ..Panel::default()
     }
 }
 
 /// The way that the foot slips; none if it never does.
-fn slip(name: &str, flown: &Simulated) -> Option<Panel> {
+fn slip(name: &str, flown: &Flown) -> Option<Panel> {
     let curve = |label: &str, k: usize, color| {
         let (mut way, mut before) = (0.0, None::<(f64, f64)>);
         let points = standing(flown).map(|s| {
@@ -305,12 +283,7 @@ fn slip(name: &str, flown: &Simulated) -> Option<Panel> {
             before = Some((s.time, s.slip[k]));
             (1e3 * s.time, 1e3 * way)
         });
-        Line {
-            label: Some(label.into()),
-            points: points.collect(),
-            color,
-            mark: Mark::Solid,
-        }
+        Line::new(Mark::Solid, color, points).called(label)
     };
     let lines = vec![curve("along the travel", 0, RED), curve("across", 1, GREY)];
     let slips = lines
@@ -323,7 +296,7 @@ fn slip(name: &str, flown: &Simulated) -> Option<Panel> {
         x: "time (ms)",
         y: "slip (mm)",
         lines,
-        least: None,
+        ..Panel::default()
     })
 }
 
@@ -356,20 +329,11 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         all().fold(f64::INFINITY, f64::min),
         all().fold(f64::NEG_INFINITY, f64::max),
     ];
-    let bound = |label: Option<String>, side: f64| Line {
-        label,
-        points: ends
-            .map(|x| (x, side * 1e3 * context.how.tolerance))
-            .to_vec(),
-        color: BLUE,
-        mark: Mark::Dashed,
+    let bound = |side: f64| {
+        let points = ends.map(|x| (x, side * 1e3 * context.how.tolerance));
+        Line::new(Mark::Dashed, BLUE, points)
     };
-    let line = |label: &str, points, color| Line {
-        label: Some(label.into()),
-        points,
-        color,
-        mark: Mark::Dots,
-    };
+    let line = |label: &str, points, color| Line::new(Mark::Dots, color, points).called(label);
     let mut lines = vec![
         line("with errors", with, GREY),
         line("without errors", without, BLUE),
@@ -377,7 +341,7 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
     lines.push(line("fails", failed, RED));
     lines.retain(|line| !line.points.is_empty());
     if ends[0] <= ends[1] {
-        lines.extend([bound(Some("tolerance".into()), 1.0), bound(None, -1.0)]);
+        lines.extend([bound(1.0).called("tolerance"), bound(-1.0)]);
     }
     Panel {
         title: "landing, simulated less wanted".into(),
@@ -388,6 +352,6 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         },
         y: "landing error (mm)",
         lines,
-        least: None,
+        ..Panel::default()
     }
 }

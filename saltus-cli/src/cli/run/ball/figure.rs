@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use saltus::gait::space::{Ball, Gait, Roll};
 
-use crate::plot::Drawing;
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREY, RED};
 use crate::plot::sheet::{Panel, Sheet};
@@ -79,7 +78,7 @@ impl Track {
 }
 
 /// The track from above with what it follows, its roll, its heading and its speed.
-pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Drawing {
+pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Sheet {
     let line = |label: Option<&str>, color, mark, points: Vec<(f64, f64)>| Line {
         label: label.map(Into::into),
         points,
@@ -118,7 +117,7 @@ pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Drawing {
             .chunk_by(|a, b| (a.1 - b.1).abs() < PI)
             .map(|part| line(None, BLUE, Mark::Solid, part.to_vec()))
             .collect(),
-        least: None,
+        ..Panel::default()
     };
     let each = |of: &dyn Fn(&Row) -> f64| -> Vec<(f64, f64)> {
         track.rows.iter().map(|row| (row.time, of(row))).collect()
@@ -130,6 +129,7 @@ pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Drawing {
             y: "to its left (m)",
             lines: above,
             least: Some([[0.0, 1.0], [-0.5, 0.5]]),
+            ..Panel::default()
         },
         over_time(
             "Roll of its disc, to the right",
@@ -143,11 +143,11 @@ pub(super) fn drawing(setup: &Roll, title: String, track: &Track) -> Drawing {
             track.speeds(),
         ),
     ];
-    Drawing::Sheet(Sheet {
+    Sheet {
         title,
-        course: None,
         panels,
-    })
+        ..Sheet::default()
+    }
 }
 
 /// The line or path of `gait`, so far (m) as a robot came.
