@@ -28,6 +28,9 @@ struct Question {
     unknowns: Vec<f64>,
 }
 
+/// What the model said of a run.
+type Said = Recent<Question, Option<Arc<[f64]>>>;
+
 /// An experiment whose readings may scatter more than was stated, with what its model said of each
 /// run, the latest last: searches come back to the same places.
 pub(crate) struct View<'a> {
@@ -37,13 +40,13 @@ pub(crate) struct View<'a> {
     discrepancy: f64,
     /// Readings in the place of those that were measured.
     logs: Option<Vec<Log>>,
-    said: Arc<[Recent<Question, Option<Arc<[f64]>>>]>,
+    said: Arc<[Said]>,
 }
 
 impl<'a> View<'a> {
     /// As it was stated, with what the settings say of the model's own error and of its causes.
     pub(crate) fn new(kind: &'a dyn Kind, settings: &Settings) -> View<'a> {
-        let said = kind.logs().iter().map(|_| Recent::default()).collect();
+        let said = kind.logs().iter().map(|_| Said::default()).collect();
         View {
             kind,
             channels: kind.channels().to_vec(),
