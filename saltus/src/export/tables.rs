@@ -212,7 +212,7 @@ impl<R: Number> Tables<R> {
             valve_open: request.valve_open,
         };
         let (least, greatest, _) = request.rates;
-        self.close_table(&flown, Some(least..=greatest))?;
+        self.close_table(&flown, Some(&(least..=greatest)))?;
         self.close_map(&flown, &[(0.5, 0.5)])?;
         self.check_open()?;
         let height = self.robot.landing_height;
@@ -237,7 +237,7 @@ impl<R: Number> Tables<R> {
     fn close_table(
         &mut self,
         flown: &Flown<'_>,
-        rates: Option<RangeInclusive<f64>>,
+        rates: Option<&RangeInclusive<f64>>,
     ) -> Result<(usize, f64), ExportError> {
         const CORNERS: [(f64, f64); 5] =
             [(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
@@ -259,7 +259,7 @@ impl<R: Number> Tables<R> {
             let mut worst = 0.0_f64;
             for &place in &places {
                 let fired = self.fired(cell, place);
-                worst = worst.max(match (fired, &rates) {
+                worst = worst.max(match (fired, rates) {
                     (Some([rate, angle, _]), Some(rates))
                         if !rates.contains(&flown.launch(rate, angle).rate) =>
                     {
