@@ -5,8 +5,6 @@ use std::f64::consts::PI;
 
 use saltus_robot::Robot;
 
-use crate::experiment::Experiment;
-use crate::noise;
 use crate::prior::Prior;
 
 /// A measured column.
@@ -280,18 +278,6 @@ pub struct Data {
     pub listed: usize,
     /// What of the data is used, and what is not.
     pub notes: Vec<String>,
-}
-
-impl Data {
-    /// The channels and runs of the columns `indices`, as yet without causes.
-    pub(crate) fn of(experiment: &Experiment, indices: &[usize]) -> Data {
-        let log = |run| noise::log(experiment, run, indices);
-        Data {
-            channels: noise::channels(experiment, indices),
-            logs: experiment.runs.iter().map(log).collect(),
-            ..Data::default()
-        }
-    }
 }
 
 /// An experiment that was not done: one run of it, and which of its causes are those of the

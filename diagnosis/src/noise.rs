@@ -5,7 +5,7 @@ use saltus_numeric::statistics::median;
 use crate::experiment::{Experiment, Run};
 use crate::fit::Fit;
 use crate::fitness;
-use crate::kind::{Channel, Kind, Log, Reading};
+use crate::kind::{Channel, Data, Kind, Log, Reading};
 use crate::policy::POLICY;
 
 /// The channels of the columns `indices`: noise and quantisation as given, or from the data.
@@ -241,6 +241,18 @@ pub(crate) fn log(experiment: &Experiment, run: &Run, indices: &[usize]) -> Log 
     Log {
         name: run.name.clone(),
         readings,
+    }
+}
+
+impl Data {
+    /// The channels and runs of the columns `indices`, as yet without causes.
+    pub(crate) fn of(experiment: &Experiment, indices: &[usize]) -> Data {
+        let logged = |run| log(experiment, run, indices);
+        Data {
+            channels: channels(experiment, indices),
+            logs: experiment.runs.iter().map(logged).collect(),
+            ..Data::default()
+        }
     }
 }
 

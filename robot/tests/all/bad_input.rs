@@ -186,7 +186,7 @@ fn keys_of_a_rig() {
     );
     leg(
         "mass_kg = 0.05",
-        "hopper.toml:7: missing key leg.center_m or center_mm or center_cm or center_in",
+        "hopper.toml:7: missing key leg.center_m or center_mm or center_cm or center_in or center_ft",
     );
     leg(
         "mass_g = 550\ncenter_m = 0.1",
@@ -213,7 +213,7 @@ fn keys_of_a_rig() {
     );
     rig(
         "[boom]\nmass_kg = 1",
-        "hopper.toml:27: missing key boom.length_m or length_mm or length_cm or length_in",
+        "hopper.toml:27: missing key boom.length_m or length_mm or length_cm or length_in or length_ft",
     );
     rig(
         "[boom]\nmass_kg = -1",
@@ -284,7 +284,7 @@ fn keys_of_a_running_robot() {
         |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "[struts]",
-        "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in",
+        "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in or distance_ft",
     );
     rig(
         "[struts]\ndistance_m = 0.25",
@@ -483,12 +483,12 @@ fn keys_unknown_missing_or_twice() {
     check(
         "stroke_m = 0.06",
         "",
-        "hopper.toml:7: missing key leg.stroke_m or stroke_mm or stroke_cm or stroke_in",
+        "hopper.toml:7: missing key leg.stroke_m or stroke_mm or stroke_cm or stroke_in or stroke_ft",
     );
     check(
         "length_mm = 4",
         "",
-        "hopper.toml:20: missing key leg.cushion.length_m or length_mm or length_cm or length_in",
+        "hopper.toml:20: missing key leg.cushion.length_m or length_mm or length_cm or length_in or length_ft",
     );
     check(
         "ambient_pressure_pa = 101325",

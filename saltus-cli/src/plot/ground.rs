@@ -105,6 +105,7 @@ impl Ground {
             (!self.missed.is_empty(), "red: what a jump misses", RED),
         ]
         .into_iter()
-        .filter_map(|(is_there, words, color)| is_there.then(|| Line::note(words, color)))
+        .filter(|(is_there, ..)| *is_there)
+        .map(|(_, words, color)| Line::note(words, color))
     }
 }

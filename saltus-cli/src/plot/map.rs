@@ -38,7 +38,7 @@ impl Map<'_> {
         let mut labels = Vec::new();
         if regions.len() > 1 {
             let names: Vec<&str> = regions.iter().map(|(name, _)| *name).collect();
-            title += &format!("; dark line: border of {}", names.join(" and "));
+            title = format!("{title}; dark line: border of {}", names.join(" and "));
             labels.extend(names.iter().map(|name| self.name(name, values)));
         }
         lines.extend(self.borders(values));

@@ -239,7 +239,7 @@ fn documented(out: &str, number: usize) -> (String, String) {
     let command = page.lines().find_map(|line| {
         line.trim()
             .strip_prefix("saltus ")
-            .filter(|rest| rest.starts_with("export c") && rest.ends_with(&format!("--out {out}")))
+            .filter(|rest| rest.starts_with("export ") && rest.ends_with(&format!("--out {out}")))
     });
     let program = page.split("```c\n").nth(1 + number).unwrap();
     let program = program.split_once("```").unwrap().0;

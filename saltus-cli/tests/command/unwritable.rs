@@ -20,7 +20,9 @@ const LONG: &[(&str, &str)] = &[
     ("plan", "nowhere.toml"),
     ("verify", "nowhere.toml"),
     ("run smooth", "--seconds 1000 --exact"),
+    ("run fixed", "--seconds 1000 --exact"),
     ("run fixed", "--seconds 1000 --robots 1000 --exact"),
+    ("run disc-stable", "--robot rats-twelve --seconds 60"),
     (
         "run disc-stable",
         "--robot rats-twelve --seconds 60 --robots 1000",

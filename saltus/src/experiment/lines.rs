@@ -9,6 +9,13 @@ use super::error::{Error, shown};
 /// Longest line (bytes): far more than a row of numbers has, far less than the memory.
 const LONGEST: usize = 1 << 16;
 
+/// What a file says as a CSV file would say it.
+pub(super) struct Table {
+    pub(super) text: Vec<u8>,
+    /// What is odd about it, without its name.
+    pub(super) notes: Vec<String>,
+}
+
 /// Lines of a file.
 ///
 /// A row is a line here, which is less than CSV allows and all that numbers need: no open quote

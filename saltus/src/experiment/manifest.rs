@@ -15,8 +15,14 @@ use saltus_robot::units::TIME;
 
 use super::error::{Error, one_line, shown};
 use super::instant::{self, Instant};
-use super::mcap::LogPath;
 use super::mechanism;
+
+/// Where the numbers of a column are: a topic and fields of its messages.
+#[cfg(feature = "telemetry")]
+pub(super) use saltus_telemetry::Path as LogPath;
+/// Where they would be; not looked at.
+#[cfg(not(feature = "telemetry"))]
+pub(super) type LogPath = String;
 
 /// Its name in the folder.
 pub(super) const NAME: &str = "experiment.toml";

@@ -14,12 +14,9 @@ use std::path::Path;
 use saltus_diagnosis::spec::Spec;
 use saltus_telemetry::{self as telemetry, Channel, Event, Field, Selection};
 
-/// Where the numbers of a column are: a topic and fields of its messages.
-pub(super) use saltus_telemetry::Path as LogPath;
-
 use super::error::{Error, cut, shown};
+use super::lines::Table;
 use super::manifest::{Listed, LogClock};
-use super::run::Table;
 use crate::origin::Origin;
 use crate::recording::{self, MEASURED, Recording};
 

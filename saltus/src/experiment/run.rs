@@ -125,13 +125,6 @@ impl Source<'_> {
     }
 }
 
-/// What a file says as a CSV file would say it.
-pub(super) struct Table {
-    pub(super) text: Vec<u8>,
-    /// What is odd about it, without its name.
-    pub(super) notes: Vec<String>,
-}
-
 /// Whether the file at `path` is to be read as MCAP: it is called so or begins so, or its columns are
 /// mapped.
 fn is_mcap(path: &Path, listed: &Listed) -> Result<bool, Error> {

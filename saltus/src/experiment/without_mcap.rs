@@ -6,14 +6,11 @@ use std::path::Path;
 use saltus_diagnosis::spec::Spec;
 
 use super::error::{Error, shown};
+use super::lines::Table;
 use super::manifest::Listed;
-use super::run::Table;
 use crate::origin::Origin;
 
 const WITHOUT: &str = "is an MCAP file, which this build does not read or write: build saltus with the feature telemetry";
-
-/// Where the numbers of a column would be: not looked at.
-pub(super) type LogPath = String;
 
 /// Refuses the file at `path`.
 pub(super) fn table(path: &Path, _: &Listed, _: &'static Spec) -> Result<Table, Error> {

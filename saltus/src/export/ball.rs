@@ -35,7 +35,7 @@ impl CFiles {
 fn ball<R: Number>(robot: &Robot, flashed: &Flashed<R>) -> CFiles {
     let code = [("saltus_ball.h", HEADER), ("saltus_ball.c", SOURCE)];
     let tables = ("ball_tables.h", tables(flashed));
-    CFiles::of::<R>(robot, "ball", code, tables)
+    CFiles::of::<R>(robot, "ball", code, (tables.0, &tables.1))
 }
 
 fn tables<R: Number>(ball: &Flashed<R>) -> String {

@@ -111,8 +111,8 @@ impl<R: Number> Tables<R> {
 /// The table of a kind of test: an array of `test_KIND`.
 fn vectors(kind: &str, rows: &[String]) -> String {
     let count = rows.len();
-    let rows: String = rows.iter().map(|row| format!("    {{{row}}},\n")).collect();
-    format!("static const test_{kind} test_{kind}s[{count}] = {{\n{rows}}};\n")
+    let rows = rows.join("},\n    {");
+    format!("static const test_{kind} test_{kind}s[{count}] = {{\n    {{{rows}}},\n}};\n")
 }
 
 /// Lines at the head of a file.

@@ -21,7 +21,7 @@ impl CFiles {
         robot: &Robot,
         what: &str,
         code: [(&'static str, &str); 2],
-        tables: (&'static str, String),
+        (tables, constants): (&'static str, &str),
     ) -> CFiles {
         let about = vec![
             format!(
@@ -43,10 +43,10 @@ impl CFiles {
                 fill(text, number_words::<R>().into_iter().chain([head])),
             )
         });
-        let tables = (tables.0, format!("{head}\n{}", tables.1));
+        let constants = format!("{head}\n{constants}");
         CFiles {
             about,
-            files: [header, source, tables],
+            files: [header, source, (tables, constants)],
         }
     }
 }

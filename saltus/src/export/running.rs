@@ -17,7 +17,12 @@ impl CFiles {
         let tables = setup.flashed(|gait| tables::<R>(gait, gravity))?;
         let code = [("saltus_running.h", HEADER), ("saltus_running.c", SOURCE)];
         let tables = ("running_tables.h", tables);
-        Ok(CFiles::of::<R>(&setup.robot, "running robot", code, tables))
+        Ok(CFiles::of::<R>(
+            &setup.robot,
+            "running robot",
+            code,
+            (tables.0, &tables.1),
+        ))
     }
 }
 

@@ -147,7 +147,8 @@ fn programs(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for three in words.windows(3) {
         match three {
-            ["--bin", "saltus", _] => {}
+            // The command, and the name that a template leaves open.
+            ["--bin", name, _] if *name == "saltus" || name.starts_with('{') => {}
             ["--bin", name, _] => found.push(format!("studies/src/bin/{}.rs", named(name))),
             ["study", name, _] if name.starts_with('`') => {
                 found.push(format!("studies/src/bin/{}.rs", named(&name[1..])));

@@ -124,7 +124,8 @@ fn leap(planned: &PlannedJump, planner: &Planner<Corrected>, fails: bool, panel:
     let angle = digits(launch.firing_angle, 3);
     let mut words = format!("α_f = {angle} rad");
     if planner.robot().leg.drive.has_valve() {
-        words += &format!(", valve {} ms", digits(1e3 * launch.valve_open, 3));
+        let open = digits(1e3 * launch.valve_open, 3);
+        words = format!("{words}, valve {open} ms");
     }
     let apex = flight.iter().copied();
     panel.labels.push(Label {
