@@ -633,3 +633,6 @@ pub const STEEPEST: f64 = 0.1;
 const BACK: usize = 6;
 /// Longest half turn (s).
 const LONGEST: f64 = 3.0;
+
+#[cfg(test)]
+mod tests;

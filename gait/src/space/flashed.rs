@@ -2,7 +2,7 @@
 
 use saltus_controller::Real;
 use saltus_controller::ball::{
-    Balance, Balancer, Estimator, Feet, Filter, Lead, Plane, Rotation, Scales, Station, Steer,
+    Balance, Estimator, Feet, Filter, Lead, Rotation, Scales, Station, Steer,
 };
 use saltus_robot::Robot;
 use saltus_robot::space::discs;
@@ -38,7 +38,7 @@ pub struct Flashed<R> {
 /// A plane in which a ball can roll.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlashedPlane<R> {
-    /// Across it, along the leg of its first station, and down a quarter turn later, as in [`Plane`].
+    /// Across it, along the leg of its first station, and down a quarter turn later, as in [`Plane`](saltus_controller::ball::Plane).
     pub axes: [[R; 3]; 3],
     /// What comes onto the ground, in its order.
     pub stations: Vec<Station<R>>,
@@ -115,12 +115,6 @@ impl<R: Real> Flashed<R> {
         };
         Estimator::new(self.filter, self.scales, feet, start)
     }
-
-    /// What keeps it in plane number `plane`; none without it.
-    pub fn balancer(&self, plane: usize) -> Option<Balancer<'_, R>> {
-        let plane = self.planes.get(plane)?.plane();
-        Some(Balancer::new(self.balance, plane))
-    }
 }
 
 impl FlashedPlane<f64> {
@@ -133,20 +127,6 @@ impl FlashedPlane<f64> {
         FlashedPlane {
             axes: [plane.axis, plane.first, plane.ahead],
             stations: plane.stations.iter().map(rounded).collect(),
-        }
-    }
-}
-
-impl<R: Copy> FlashedPlane<R> {
-    /// As the controller follows it.
-    pub fn plane(&self) -> Plane<'_, R> {
-        let [axis, first, ahead] = self.axes;
-        let stations = &self.stations;
-        Plane {
-            axis,
-            first,
-            ahead,
-            stations,
         }
     }
 }

@@ -15,6 +15,8 @@ mod reach;
 mod run_up;
 mod stance;
 mod standing;
+#[cfg(test)]
+mod tests;
 
 pub use fly::{Cycle, Flown, Jump, fly};
 pub use guide::Guide;

@@ -3,7 +3,8 @@
 use saltus_gait::space::{DrawnBalls, Knows, drawn_ball};
 use saltus_gait::{GaitError, Obstacle};
 use saltus_robot::{Robot, resolve};
-use saltus_studies::jumps_in_space::{
+
+use super::{
     Command, Flown, Guide, Jump, Leap, Over, Passed, Planner, Stance, Standing, Touch, fly, landed,
 };
 

@@ -5,7 +5,8 @@
 
 use saltus_gait::space::Stable;
 use saltus_robot::{Robot, resolve};
-use saltus_studies::half_turn::{IN_PLANE, LATERAL, Roller, State};
+
+use super::{IN_PLANE, LATERAL, Roller, State};
 
 /// Time step (s).
 const STEP: f64 = 2e-4;
