@@ -44,7 +44,7 @@ def test_a_plan_lands_where_it_says() -> None:
 def test_a_diagnosis(bench: Path, tmp_path: Path) -> None:
     axes = saltus.plot.diagnosis(saltus.diagnose(bench))
     assert axes.get_title() == "coulomb-friction"
-    saltus.inject("none", out=tmp_path / "none")
+    saltus.inject(out=tmp_path / "none")
     clean = saltus.plot.diagnosis(saltus.diagnose(tmp_path / "none"))
     assert clean.get_title() == "nothing wrong"
 

@@ -74,7 +74,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("completions", &["<SHELL>"]),
     ("export", &["Usage: saltus export"]),
     ("export sdf", &["unrecognized subcommand 'sdf'"]),
-    ("export c --distance 0.6", &["--out <DIR>"]),
+    ("export c --distance 0.6", &["--out <FOLDER>"]),
     ("export c --out x", &["--distance <LENGTHS>"]),
     (
         "export c --gait fixed --distance 0.6 --out x",
@@ -484,7 +484,7 @@ const CASES: &[(&str, &[&str])] = &[
         &["--animate", "the name must end in .html"],
     ),
     (
-        "verify course2.toml --samples 0 --out a.html --animate a.html",
+        "verify course2.toml --samples 0 --format text --out a.html --animate a.html",
         &["--animate a.html: must be another file than --out"],
     ),
     (

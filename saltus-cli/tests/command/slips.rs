@@ -123,7 +123,7 @@ fn flags_are_answered_in_plain_words() {
     );
     let run = folder.run(&["table", "--omega", "5", "--distance", "3yd"]);
     assert!(
-        run.err.contains("one of the units mm, cm, in, ft, m"),
+        run.err.contains("one of the units m, mm, cm, in, ft"),
         "{}",
         run.err
     );
