@@ -9,7 +9,8 @@
 //! let how = Verification { samples: 40, share: 0.95, ..Verification::default() };
 //! let fly = |robot| replan(robot, &measured, &crossing, &how);
 //! let [before, after] = [fly(&Robot::rats_planar())?, fly(&measured)?].map(Option::unwrap);
-//! assert!(before.runs.runs_passed < after.runs.runs_passed);
+//! let passed = |verdict: saltus::verify::Verdict| verdict.all(true).map(|runs| runs.runs_passed);
+//! assert!(passed(before) < passed(after));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -20,19 +21,7 @@ use saltus_robot::Robot;
 
 use crate::on_plant::OnPlant;
 use crate::robust::{self, ACCURACY, Robust, RobustError};
-use crate::verify::{Demand, Group, Plant, Subject, Verdict, Verification};
-
-/// Added to the seed for the draws that make a plan: those that judge it are others.
-const PLANNING: u64 = 0x9a1a;
-
-/// A plan, flown: its runs with errors drawn, and the demand that they miss most often.
-#[derive(Debug)]
-pub struct Replanned {
-    /// The runs.
-    pub runs: Group,
-    /// The demand.
-    pub missed: Option<Demand>,
-}
+use crate::verify::{Plant, Subject, Verdict, Verification};
 
 /// The plan for `crossing` that holds in the share of `how` on `robot`, or else most often, flown on
 /// `jumper` as `how` says; none where no plan crosses it.
@@ -44,9 +33,10 @@ pub fn replan(
     jumper: &Robot,
     crossing: &Crossing,
     how: &Verification,
-) -> Result<Option<Replanned>, RobustError> {
+) -> Result<Option<Verdict>, RobustError> {
     let mut planning = how.clone();
-    planning.seed ^= PLANNING;
+    // The draws that judge a plan are others.
+    planning.seed ^= 0x9a1a;
     let itself = OnPlant::new(robot, robot)?;
     let go_on = |_: &_| ControlFlow::Continue(());
     let crossed = match robust::plan(robot, &itself, crossing, &planning, &go_on)? {
@@ -59,9 +49,5 @@ pub fn replan(
     let subject = Subject::plan(crossing.clone(), plan);
     let trials = how.trials(&subject, &crossed.planner, jumper.body.radius)?;
     let outcomes = how.fly(&Plant::new(jumper.clone(), ACCURACY), &trials, &|| ());
-    let verdict = Verdict::of(&outcomes, how.share);
-    let missed = verdict.failures.iter().find(|failure| failure.errors);
-    let missed = missed.map(|failure| failure.demand);
-    let mut drawn = verdict.groups.into_iter().filter(|group| group.errors);
-    Ok(drawn.next_back().map(|runs| Replanned { runs, missed }))
+    Ok(Some(Verdict::of(&outcomes, how.share)))
 }

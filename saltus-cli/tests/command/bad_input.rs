@@ -481,7 +481,7 @@ const CASES: &[(&str, &[&str])] = &[
         &["--animate", "the name must end in .html"],
     ),
     (
-        "verify course2.toml --samples 0 --out a.html --animate a.html",
+        "verify course2.toml --samples 0 --format text --out a.html --animate a.html",
         &["--animate a.html: must be another file than --out"],
     ),
     (

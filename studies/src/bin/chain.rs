@@ -107,7 +107,8 @@ fn shares(case: &Case, crossing: &Crossing, samples: usize) -> Option<(String, [
     };
     let share = |robot: &Robot| -> Option<f64> {
         let plan = replan(robot, &truth, crossing, &how).ok()?;
-        Some(plan.map_or(0.0, |it| it.runs.runs_passed as f64 / it.runs.runs as f64))
+        let runs = plan.as_ref().and_then(|verdict| verdict.all(true));
+        Some(runs.map_or(0.0, |it| it.runs_passed as f64 / it.runs as f64))
     };
     Some((
         verdict::say(&found.diagnosis),

@@ -2,8 +2,8 @@
 
 use saltus::Robot;
 use saltus::planner::Crossing;
-use saltus::replan::{Replanned, replan};
-use saltus::verify::{Demand, Verification};
+use saltus::replan::replan;
+use saltus::verify::{Group, Verdict, Verification};
 use serde_json::{Value, json};
 
 use crate::error::CliError;
@@ -18,7 +18,7 @@ pub(super) struct Replan {
     course: String,
     /// Name of the robot that jumped.
     jumper: String,
-    plans: Vec<(&'static str, Option<Replanned>)>,
+    plans: Vec<(&'static str, Option<Verdict>)>,
 }
 
 impl Replan {
@@ -37,58 +37,61 @@ impl Replan {
             share: 0.95,
             ..Verification::default()
         };
-        let mut plans = Vec::new();
+        let mut all = Replan {
+            course,
+            jumper: jumper.name.clone(),
+            plans: Vec::new(),
+        };
         for (name, robot) in ["believed", "measured"].into_iter().zip(robots) {
-            let plan = robot.map(|robot| replan(robot, jumper, &crossing, &how));
-            let plan = plan.transpose();
-            let plan = plan.map_err(|error| CliError::content(&course, error))?;
-            plans.extend(plan.map(|plan| (name, plan)));
+            let Some(robot) = robot else { continue };
+            let plan = replan(robot, jumper, &crossing, &how);
+            let plan = plan.map_err(|error| CliError::content(&all.course, error))?;
+            all.plans.push((name, plan));
             progress.advance(1);
         }
-        let jumper = jumper.name.clone();
-        Ok(Replan {
-            course,
-            jumper,
-            plans,
-        })
+        Ok(all)
     }
 
     /// What the plans come to: a sentence, then one for each.
     pub(super) fn lines(&self) -> Vec<String> {
         let mm = |x: Option<f64>| x.map_or("–".into(), |x| digits(1e3 * x, 3));
-        let line = |(name, plan): &(&str, Option<Replanned>)| match plan {
+        let line = |(name, plan): &(&str, Option<Verdict>)| match drawn(plan) {
             None => format!("as {name}: no plan crosses the course"),
-            Some(Replanned { runs, missed }) => format!(
+            Some((runs, missed)) => format!(
                 "as {name}: {} of {} runs pass; landings {} ± {} mm off the plan{}",
                 runs.runs_passed,
                 runs.runs,
                 mm(runs.land_error.mean),
                 mm(runs.land_error.deviation),
-                missed.map_or(String::new(), |it| format!("; missed most: {}", it.name()))
+                missed.map_or(String::new(), |it| format!("; missed most: {it}"))
             ),
         };
         let (course, jumper) = (&self.course, &self.jumper);
         let head = format!("Plans for {course}, flown on {jumper} with errors that made neither:");
-        std::iter::once(head)
-            .chain(self.plans.iter().map(line))
-            .collect()
+        let lines = self.plans.iter().map(line);
+        std::iter::once(head).chain(lines).collect()
     }
 
     pub(super) fn json(&self) -> Value {
         let mut all = json!({ "course": self.course, "plant": self.jumper });
         for (name, plan) in &self.plans {
-            all[*name] = plan
-                .as_ref()
-                .map_or(Value::Null, |Replanned { runs, missed }| {
-                    json!({
-                        "runs": runs.runs,
-                        "runs_passed": runs.runs_passed,
-                        "land_error_mean_m": runs.land_error.mean,
-                        "land_error_sd_m": runs.land_error.deviation,
-                        "missed_most": missed.map(Demand::name),
-                    })
-                });
+            all[*name] = drawn(plan).map_or(Value::Null, |(runs, missed)| {
+                json!({
+                    "runs": runs.runs,
+                    "runs_passed": runs.runs_passed,
+                    "land_error_mean_m": runs.land_error.mean,
+                    "land_error_sd_m": runs.land_error.deviation,
+                    "missed_most": missed,
+                })
+            });
         }
         all
     }
+}
+
+/// The runs with errors drawn, and the demand that they miss most often.
+fn drawn(plan: &Option<Verdict>) -> Option<(&Group, Option<&'static str>)> {
+    let verdict = plan.as_ref()?;
+    let missed = verdict.failures.iter().find(|failure| failure.errors);
+    Some((verdict.all(true)?, missed.map(|it| it.demand.name())))
 }

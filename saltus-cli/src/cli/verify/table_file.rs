@@ -104,27 +104,16 @@ impl TableFile {
         check_robot(&source, &file, robot)?;
         let for_plant = check_plant(&source, &file, plant.robot())?;
         let row = |(line, cells): &(u64, [Option<f64>; 7])| {
-            let [
-                Some(rate),
-                Some(angle),
-                distance,
-                land,
-                landing_height,
-                start_lean,
-                valve_open,
-            ] = *cells
-            else {
-                return None;
-            };
+            let [rate, angle, ..] = *cells;
             Some(Row {
                 line: *line,
-                rate,
-                angle,
-                distance,
-                land,
-                landing_height,
-                start_lean,
-                valve_open,
+                rate: rate?,
+                angle: angle?,
+                distance: cells[2],
+                land: cells[3],
+                landing_height: cells[4],
+                start_lean: cells[5],
+                valve_open: cells[6],
             })
         };
         let rows: Vec<Row> = cells.iter().filter_map(row).collect();
