@@ -1,10 +1,8 @@
 //! `saltus export gait`: what decides on a running robot.
 
 use clap::{Args, Subcommand};
-use saltus::Robot;
 use saltus::export::{BallFiles, Number, Running};
 use saltus::gait::space::{Stable, Steered};
-use saltus::gait::{GaitError, Program, Setup};
 
 use super::{Real, RealType};
 use crate::cli::Status;
@@ -84,51 +82,38 @@ impl OfGait {
 }
 
 impl Flashed {
-    fn write<R: Number>(&self, flags: &GaitFlags) -> Result<Status, CliError> {
+    fn write<R: Number>(self, flags: &GaitFlags) -> Result<Status, CliError> {
         let ball = || flags.robot.any_robot_or("rats-twelve");
-        let (files, about) = match self {
+        let (robot, written) = match self {
             Flashed::Law(With {
                 of, flags: senses, ..
-            }) => running::<R>(of, senses, flags)?,
-            Flashed::Speed(senses) => running::<R>(&Law::Speed, senses, flags)?,
-            Flashed::DiscStable => rolling(&ball()?, |robot| {
-                BallFiles::new::<R>(robot, &Stable::default())
-            })?,
-            Flashed::Steer => rolling(&ball()?, |robot| {
-                BallFiles::steered::<R>(robot, &Steered::towards(0.0))
-            })?,
+            }) => return running::<R>(&of, senses, flags),
+            Flashed::Speed(senses) => {
+                return running::<R>(&Law::Speed(Vec::new()), senses, flags);
+            }
+            Flashed::DiscStable => {
+                let robot = ball()?;
+                let written = BallFiles::new::<R>(&robot, &Stable::default());
+                (robot, written)
+            }
+            Flashed::Steer => {
+                let robot = ball()?;
+                let written = BallFiles::steered::<R>(&robot, &Steered::towards(0.0));
+                (robot, written)
+            }
         };
-        flags.out.write(files, &about)?;
+        let written = written.map_err(|error| CliError::content(&robot.name, error))?;
+        flags.out.write(written.files, &written.about)?;
         Ok(Status::Done)
     }
 }
 
-/// Names and texts of files, and what heads them.
-type Files = ([(&'static str, String); 3], Vec<String>);
-
-/// The files of a robot in its plane.
-fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<Files, CliError> {
+/// Writes the files of a robot in its plane.
+fn running<R: Number>(law: &Law, senses: Senses, flags: &GaitFlags) -> Result<Status, CliError> {
     let robot = flags.robot.robot_or("rats-run")?;
-    let (program, zone) = law.found(&robot, senses)?;
-    let mut setup = match (program, law) {
-        (Program::Curve(curve), Law::Speed) => {
-            Setup::holding(&robot, curve, &[], 1.0).map_err(|error| refused(error, &robot))?
-        }
-        (program, _) => Setup::new(robot, program, 1.0),
-    };
-    setup.zone = zone;
-    setup.taps = senses.taps();
-    setup.valve_open = law.valve_open().unwrap_or(setup.valve_open);
-    let wrong = |error| CliError::content(&setup.robot.name, error);
-    let written = Running::new::<R>(&setup).map_err(wrong)?;
-    Ok((written.files, written.about))
-}
-
-/// The files of a robot in space.
-fn rolling(
-    robot: &Robot,
-    write: impl FnOnce(&Robot) -> Result<BallFiles, GaitError>,
-) -> Result<Files, CliError> {
-    let written = write(robot).map_err(|error| CliError::content(&robot.name, error))?;
-    Ok((written.files, written.about))
+    let setup = law.setup(robot, senses, 1.0)?;
+    let written = Running::new::<R>(&setup);
+    let written = written.map_err(|error| refused(error, &setup.robot, law.angles()))?;
+    flags.out.write(written.files, &written.about)?;
+    Ok(Status::Done)
 }
