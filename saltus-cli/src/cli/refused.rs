@@ -23,7 +23,10 @@ pub(crate) fn refused(error: GaitError, robot: &Robot, angles: &'static str) -> 
                 "length of the run (s)" => "--seconds",
                 "taps of the filter" | "sum of the filter's taps" => "--taps",
                 "valve opening time (s)" => "--valve-open",
-                "firing angle (rad)" => angles,
+                "firing angle (rad)" => {
+                    let value = format!("({what} = {value})");
+                    return CliError::flag(angles, value, allowed + " (--zone moves it)");
+                }
                 "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
                 "length of the boom (m)" | "speeds measured (m/s)" => "speed",
                 "B (1/s)" => "--steepness",

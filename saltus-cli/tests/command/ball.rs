@@ -346,7 +346,7 @@ fn a_recording_has_the_valves() {
 const CASES: &[(&str, &[&str])] = &[
     (
         "disc --robot rats-run",
-        &["rats-run", "sphere, for the gait disc"],
+        &["rats-run", "sphere for the gait disc"],
     ),
     (
         "fixed --heading 10deg",
@@ -355,7 +355,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("fixed --truth", &["unexpected argument '--truth'"]),
     (
         "fixed --robot rats-twelve",
-        &["rats-twelve", "wheel, for the gait fixed"],
+        &["rats-twelve", "wheel for the gait fixed"],
     ),
     (
         "disc --robot rats-twelve --heading 1",
@@ -375,7 +375,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "steer --robot rats-boom --path p.csv",
-        &["rats-boom", "sphere, for the gait steer"],
+        &["rats-boom", "sphere for the gait steer"],
     ),
     ("steer --robot rats-twelve --path no.csv", &["no.csv"]),
     (

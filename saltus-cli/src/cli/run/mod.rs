@@ -464,10 +464,10 @@ impl InPlane {
 impl RunFlags {
     /// The robot that runs by `gait`: in space or in its plane, and the one that has `learnt` where none is named.
     fn robot(&self, gait: &str, in_space: bool, learnt: Option<&Robot>) -> Result<Robot, CliError> {
-        let (usual, shape) = if in_space {
-            ("rats-twelve", "sphere")
+        let (usual, shape, other) = if in_space {
+            ("rats-twelve", "sphere", "wheel")
         } else {
-            ("rats-run", "wheel")
+            ("rats-run", "wheel", "sphere")
         };
         let robot = match (&self.robot, learnt) {
             (None, Some(own)) => resolve_text(&own.to_toml(), &own.name, &self.overrides)?,
@@ -476,7 +476,7 @@ impl RunFlags {
         if robot.space.is_some() == in_space {
             return Ok(robot);
         }
-        let reason = format!("body.shape: must be {shape} for the gait {gait}");
+        let reason = format!("body.shape = {other}: must be {shape} for the gait {gait}");
         Err(CliError::content(&robot.name, reason))
     }
 
