@@ -5,8 +5,8 @@ use saltus::gait::GaitError;
 
 use crate::error::CliError;
 
-/// The flag or the file that `error` is about.
-pub(crate) fn refused(error: GaitError, robot: &Robot) -> CliError {
+/// The flag or the file that `error` is about; firing angles are those of the flags `angles`.
+pub(crate) fn refused(error: GaitError, robot: &Robot, angles: &'static str) -> CliError {
     let name = &robot.name;
     match error {
         GaitError::Input {
@@ -23,7 +23,10 @@ pub(crate) fn refused(error: GaitError, robot: &Robot) -> CliError {
                 "length of the run (s)" => "--seconds",
                 "taps of the filter" | "sum of the filter's taps" => "--taps",
                 "valve opening time (s)" => "--valve-open",
-                "firing angle (rad)" => "--first-slope, --switch",
+                "firing angle (rad)" => {
+                    let value = format!("({what} = {value})");
+                    return CliError::flag(angles, value, allowed + " (--zone moves it)");
+                }
                 "rate of a law's knot (rad/s)" | "knots of a law" => "--knots",
                 "length of the boom (m)" | "speeds measured (m/s)" => "speed",
                 "B (1/s)" => "--steepness",

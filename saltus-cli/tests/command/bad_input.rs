@@ -87,7 +87,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "export gait fixed --firing-angle 1.4 --out x",
-        &["--firing-angle 1.4 rad", "active zone"],
+        &["--firing-angle", "firing angle (rad) = 1.4", "zone"],
     ),
     (
         "export gait fixed --set body.legs=2 --out x",

@@ -343,7 +343,7 @@ fn a_recording_has_the_valves() {
 const CASES: &[(&str, &[&str])] = &[
     (
         "disc --robot rats-run",
-        &["rats-run", "sphere, for the gait disc"],
+        &["rats-run", "sphere for the gait disc"],
     ),
     (
         "fixed --heading 10deg",
@@ -352,7 +352,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("fixed --truth", &["unexpected argument '--truth'"]),
     (
         "fixed --robot rats-twelve",
-        &["rats-twelve", "wheel, for the gait fixed"],
+        &["rats-twelve", "wheel for the gait fixed"],
     ),
     (
         "disc --robot rats-twelve --heading 1",
@@ -372,7 +372,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "steer --robot rats-boom --path p.csv",
-        &["rats-boom", "sphere, for the gait steer"],
+        &["rats-boom", "sphere for the gait steer"],
     ),
     ("steer --robot rats-twelve --path no.csv", &["no.csv"]),
     (

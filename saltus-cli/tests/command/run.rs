@@ -350,23 +350,23 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "fixed --firing-angle 1.4",
         &[
-            "--firing-angle 1.4 rad",
+            "--firing-angle (firing angle (rad) = 1.4)",
             "active zone, from 0 to below 1.2566 rad",
-            "--zone",
+            "--zone moves it",
         ],
     ),
     (
         "fixed --firing-angle -0.1",
-        &["--firing-angle -0.1 rad", "active zone"],
+        &["--firing-angle (firing angle (rad) = -0.1)", "active zone"],
     ),
-    ("closed-loop --zone 0", &["--to -0.1 rad", "active zone"]),
+    ("closed-loop --zone 0", &["--to", "= -0.1)", "active zone"]),
     (
         "closed-loop --first-slope -1",
-        &["--first-slope, --switch (α_f -4.65 rad)", "active zone"],
+        &["--first-slope, --switch (firing angle (rad) = -4.65)"],
     ),
     (
         "closed-loop --zone 1",
-        &["--zone 1 rad", "from -0.6283 to 0.6283 rad"],
+        &["--zone", "= 1)", "from -0.6283 to 0.6283 rad"],
     ),
     (
         "closed-loop --switch 14",
@@ -419,7 +419,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "closed-loop --valve-open 2s",
-        &["--valve-open 2 s", "from 0 to 1 s"],
+        &["--valve-open", "= 2)", "from 0 to 1 s"],
     ),
     ("closed-loop --valve-open -1", &["--valve-open", "\"-1\""]),
     (

@@ -55,7 +55,7 @@ impl Replan {
     /// What the plans come to: a sentence, then one for each.
     pub(super) fn lines(&self) -> Vec<String> {
         let mm = |x: Option<f64>| x.map_or("–".into(), |x| digits(1e3 * x, 3));
-        let line = |(name, plan): &(&str, Option<Verdict>)| match drawn(plan) {
+        let line = |(name, plan): &(&str, Option<Verdict>)| match drawn(plan.as_ref()) {
             None => format!("as {name}: no plan crosses the course"),
             Some((runs, missed)) => format!(
                 "as {name}: {} of {} runs pass; landings {} ± {} mm off the plan{}",
@@ -75,7 +75,7 @@ impl Replan {
     pub(super) fn json(&self) -> Value {
         let mut all = json!({ "course": self.course, "plant": self.jumper });
         for (name, plan) in &self.plans {
-            all[*name] = drawn(plan).map_or(Value::Null, |(runs, missed)| {
+            all[*name] = drawn(plan.as_ref()).map_or(Value::Null, |(runs, missed)| {
                 json!({
                     "runs": runs.runs,
                     "runs_passed": runs.runs_passed,
@@ -90,8 +90,8 @@ impl Replan {
 }
 
 /// The runs with errors drawn, and the demand that they miss most often.
-fn drawn(plan: &Option<Verdict>) -> Option<(&Group, Option<&'static str>)> {
-    let verdict = plan.as_ref()?;
+fn drawn(verdict: Option<&Verdict>) -> Option<(&Group, Option<&'static str>)> {
+    let verdict = verdict?;
     let missed = verdict.failures.iter().find(|failure| failure.errors);
     Some((verdict.all(true)?, missed.map(|it| it.demand.name())))
 }

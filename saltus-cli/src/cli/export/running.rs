@@ -3,7 +3,6 @@
 use clap::{Args, Subcommand};
 use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Stable, Steered};
-use saltus::gait::{Program, Setup};
 
 use super::{Real, RealType};
 use crate::cli::Status;
@@ -83,12 +82,12 @@ impl OfGait {
 }
 
 impl Flashed {
-    fn write<R: Number>(&self, flags: &GaitFlags) -> Result<Status, CliError> {
+    fn write<R: Number>(self, flags: &GaitFlags) -> Result<Status, CliError> {
         let written = match self {
             Flashed::Law(With {
                 of, flags: senses, ..
-            }) => running::<R>(of, senses, flags)?,
-            Flashed::Speed(senses) => running::<R>(&Law::Speed, senses, flags)?,
+            }) => running::<R>(&of, senses, flags)?,
+            Flashed::Speed(senses) => running::<R>(&Law::Speed(Vec::new()), senses, flags)?,
             Flashed::DiscStable | Flashed::Steer => {
                 let robot = flags.robot.any_robot_or("rats-twelve")?;
                 let written = match self {
@@ -104,17 +103,9 @@ impl Flashed {
 }
 
 /// The files of a robot in its plane.
-fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<CFiles, CliError> {
+fn running<R: Number>(law: &Law, senses: Senses, flags: &GaitFlags) -> Result<CFiles, CliError> {
     let robot = flags.robot.robot_or("rats-run")?;
-    let (program, zone) = law.found(&robot, senses)?;
-    let mut setup = match (program, law) {
-        (Program::Curve(curve), Law::Speed) => {
-            Setup::holding(&robot, curve, &[], 1.0).map_err(|error| refused(error, &robot))?
-        }
-        (program, _) => Setup::new(robot, program, 1.0),
-    };
-    setup.zone = zone;
-    setup.taps = senses.taps();
-    setup.valve_open = law.valve_open().unwrap_or(setup.valve_open);
-    CFiles::running::<R>(&setup).map_err(|error| CliError::content(&setup.robot.name, error))
+    let setup = law.setup(robot, senses, 1.0)?;
+    let written = CFiles::running::<R>(&setup);
+    written.map_err(|error| refused(error, &setup.robot, law.angles()))
 }

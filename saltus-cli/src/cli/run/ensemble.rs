@@ -5,10 +5,8 @@ use saltus::running::{RUNS_FROM, Together, each};
 use serde_json::{Value, json};
 
 use super::InPlane;
-use super::gait::Chosen;
 use super::report::{head, joined};
 use crate::cli::Status;
-use crate::cli::disturb::Typed;
 use crate::cli::refused::refused;
 use crate::error::CliError;
 use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
@@ -43,9 +41,7 @@ const COLUMNS: &[&str] = &[
 /// The runs and where they come from.
 struct Many<'a> {
     ensemble: &'a Ensemble,
-    gait: &'a str,
-    chosen: &'a Chosen,
-    disturbances: &'a [Typed],
+    run: &'a InPlane,
     runs: &'a [Result<Summary, GaitError>],
 }
 
@@ -72,9 +68,10 @@ impl InPlane {
         // What is wrong with all of them is bad input, and said before they run.
         let mut first = setup.clone();
         first.robot = drawn_robot(&setup.robot, &ensemble.draw, self.flags.seed, 0)
-            .map_err(|error| refused(error, &setup.robot))?;
+            .map_err(|error| refused(error, &setup.robot, self.angles))?;
         first.seconds = setup.sensors().period.min(setup.seconds);
-        saltus::gait::run(&first, &mut ()).map_err(|error| refused(error, &setup.robot))?;
+        saltus::gait::run(&first, &mut ())
+            .map_err(|error| refused(error, &setup.robot, self.angles))?;
         let progress = Progress::new("robots", robots);
         let runs = each(&ensemble, self.flags.threads.count().get(), &|| {
             progress.advance(1);
@@ -82,9 +79,7 @@ impl InPlane {
         drop(progress);
         let many = Many {
             ensemble: &ensemble,
-            gait: &self.gait,
-            chosen: &self.chosen,
-            disturbances: &self.plane.disturb,
+            run: self,
             runs: &runs,
         };
         let report = match self.flags.output.format() {
@@ -99,7 +94,11 @@ impl InPlane {
 
 impl Many<'_> {
     fn sign(&self) -> f64 {
-        if self.chosen.forwards { 1.0 } else { -1.0 }
+        if self.ensemble.setup.forwards {
+            1.0
+        } else {
+            -1.0
+        }
     }
 
     fn together(&self) -> Together {
@@ -126,12 +125,12 @@ impl Many<'_> {
         let mut text = format!(
             "{}: {}, {} s, {} drawn robots, seed {}\n",
             setup.robot.name,
-            self.chosen.words,
+            self.run.words,
             digits(setup.seconds, 6),
             self.ensemble.robots,
             self.ensemble.seed
         );
-        for typed in self.disturbances {
+        for typed in &self.run.plane.disturb {
             text += &line("disturbed by".into(), typed.text.clone());
         }
         text += &line("drawn".into(), self.drawn());
@@ -199,7 +198,7 @@ impl Many<'_> {
     fn row(&self, k: usize, run: &Result<Summary, GaitError>) -> Result<Vec<Cell>, CliError> {
         let around = &self.ensemble.setup.robot;
         let robot = drawn_robot(around, &self.ensemble.draw, self.ensemble.seed, k)
-            .map_err(|error| refused(error, around))?;
+            .map_err(|error| refused(error, around, self.run.angles))?;
         let spring = robot.leg.return_spring;
         let supply = robot.leg.cylinder().map(|cylinder| cylinder.supply.0);
         let mut row = vec![
@@ -288,7 +287,7 @@ impl Many<'_> {
             "gas_of_runners_kg_per_m": all.gas_per_metre,
             "runs": self.table()?.json(),
         });
-        let head = head(setup, (self.gait, self.chosen), self.disturbances);
+        let head = head(setup, self.run);
         Ok(output::json(&joined([head, answer])))
     }
 }

@@ -30,11 +30,11 @@ pub(super) fn drawing(report: &Report<'_>, line: &Thinned) -> Sheet {
         least: Some([[0.0, end], least]),
         ..Panel::default()
     };
-    let angles = match report.chosen.program {
+    let angles = match report.setup.program {
         Program::OpenLoop { .. } => [0.0, 0.35],
         _ => [-0.2, 0.5],
     };
-    let sign = if report.chosen.forwards { 1.0 } else { -1.0 };
+    let sign = if report.setup.forwards { 1.0 } else { -1.0 };
     let [low, high] = [sign * 0.0_f64, sign * 3.5];
     Sheet {
         title: report.title(),

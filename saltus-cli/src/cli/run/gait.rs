@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use saltus::Robot;
 use saltus::gait::learn::Task as Course;
-use saltus::gait::{Centre, Lines, Obstacle, Program, Smooth, speed_law};
+use saltus::gait::{Centre, Lines, Program, Setup, Smooth, speed_law};
 use saltus::numeric::parallel::available;
 
 use super::values::{
@@ -26,50 +26,102 @@ pub(super) enum Plane {
     #[command(flatten)]
     Law(With<Law, OfLaw>),
     /// A commanded speed is held: the speed of each firing angle is measured first
-    Speed(Speed),
+    Speed {
+        /// Speeds, TIME:SPEED in s and m/s: each is held from its time on, a negative one
+        /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
+        #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
+        speed: Speeds,
+
+        #[command(flatten)]
+        senses: Senses,
+    },
     /// What `saltus learn --out` wrote: its best seed runs, on its robot where --robot names no other
-    Policy(Policy),
+    Policy {
+        /// The file that `saltus learn --out` wrote
+        #[arg(value_name = "FILE.json")]
+        file: PathBuf,
+    },
 }
 
 /// Laws by which a robot in its plane fires: those of `saltus export gait`, too.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Law {
     /// One firing angle
-    Fixed(Fixed),
+    Fixed {
+        /// Firing angle α_f (rad)
+        #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true, default_value = "0.1")]
+        firing_angle: f64,
+
+        #[command(flatten)]
+        valve: Valve,
+    },
     /// The firing angle goes from one to another over time, A tanh(B t − C) + D
-    OpenLoop(OpenLoop),
+    OpenLoop {
+        #[command(flatten)]
+        tanh: Tanh,
+
+        #[command(flatten)]
+        valve: Valve,
+    },
     /// The firing angle falls with the rate, by one line or two
-    ClosedLoop(ClosedLoop),
+    ClosedLoop {
+        #[command(flatten)]
+        falls: Falls,
+
+        #[command(flatten)]
+        valve: Valve,
+    },
     /// The firing angle and the valve opening time go through given knots over the rate
-    Curve(Curve),
+    Curve {
+        /// Knots, RATE:ANGLE:TIME with commas between them, as in 0:0.35:40ms,13.3:-0.1:40ms; straight lines between knots
+        #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
+        knots: Knots,
+    },
     /// One smooth curve over the rate, found by search to be quick from rest or to save gas
-    Smooth(OfSmooth),
+    Smooth {
+        /// What the law is best at
+        #[arg(long, value_enum, default_value = "quick")]
+        aim: Aim,
+    },
     /// The law that holds a speed, which is measured
     #[command(skip)]
-    Speed,
+    Speed(Vec<[f64; 2]>),
 }
 
+/// Firing angles from which and to which a law goes.
 #[derive(Args, Debug)]
-pub(crate) struct Fixed {
-    /// Firing angle α_f (rad)
-    #[arg(long, visible_alias = "alpha-f", value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true, default_value = "0.1")]
-    firing_angle: f64,
+pub(crate) struct Ends {
+    /// Firing angle (rad) at rest [default: 0.35, of `disc` 0.5, less where legs are close]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    pub(super) from: Option<f64>,
 
-    #[command(flatten)]
-    valve: Valve,
+    /// Firing angle (rad) in the end [default: 0, of `closed-loop` -0.1]
+    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
+    to: Option<f64>,
 }
 
+/// The law of `open-loop`, A tanh(B t − C) + D.
 #[derive(Args, Debug)]
-pub(crate) struct OpenLoop {
+pub(crate) struct Tanh {
     #[command(flatten)]
-    tanh: Tanh,
+    pub(super) ends: Ends,
 
-    #[command(flatten)]
-    valve: Valve,
+    /// B (1/s): how steeply the angle changes
+    #[arg(long, value_name = "B", value_parser = steepness, allow_hyphen_values = true, default_value = "2.1")]
+    steepness: f64,
+
+    /// C, a number or seconds
+    #[arg(long, value_name = "C", value_parser = shift, allow_hyphen_values = true, default_value = "3")]
+    shift: f64,
+
+    /// How C is read [default: seconds, of `disc` printed]
+    #[arg(long, value_enum)]
+    centre: Option<Reading>,
 }
 
+/// The lines of `closed-loop`.
 #[derive(Args, Debug)]
-pub(crate) struct ClosedLoop {
+pub(crate) struct Falls {
     #[command(flatten)]
     ends: Ends,
 
@@ -88,77 +140,11 @@ pub(crate) struct ClosedLoop {
     /// Rate ω_f (rad/s) at which the last angle is reached; 13.3 is 3.2 m/s
     #[arg(long, value_name = "RATE", value_parser = top_rate, allow_hyphen_values = true, default_value = "13.3")]
     top_rate: f64,
-
-    #[command(flatten)]
-    valve: Valve,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct Curve {
-    /// Knots, RATE:ANGLE:TIME with commas between them, as in 0:0.35:40ms,13.3:-0.1:40ms; straight lines between knots
-    #[arg(long, value_name = "RATE:ANGLE:TIME,…", value_parser = knots, allow_hyphen_values = true)]
-    knots: Knots,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct OfSmooth {
-    /// What the law is best at
-    #[arg(long, value_enum, default_value = "quick")]
-    aim: Aim,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct Speed {
-    /// Speeds, TIME:SPEED in s and m/s: each is held from its time on, a negative one
-    /// backwards, as in 0:1.5,4:3,8:-1. Needs a robot on a boom, whose encoder measures the way
-    #[arg(long, value_name = "TIME:SPEED,…", value_parser = speeds, allow_hyphen_values = true)]
-    speed: Speeds,
-
-    #[command(flatten)]
-    senses: Senses,
-}
-
-#[derive(Args, Debug)]
-pub(super) struct Policy {
-    /// The file that `saltus learn --out` wrote
-    #[arg(value_name = "FILE.json")]
-    file: PathBuf,
-}
-
-/// Firing angles from which and to which a law goes.
-#[derive(Args, Debug)]
-pub(super) struct Ends {
-    /// Firing angle (rad) at rest [default: 0.35, of `disc` 0.5, less where legs are close]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    pub(super) from: Option<f64>,
-
-    /// Firing angle (rad) in the end [default: 0, of `closed-loop` -0.1]
-    #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
-    pub(super) to: Option<f64>,
-}
-
-/// The law of `open-loop`, A tanh(B t − C) + D.
-#[derive(Args, Debug)]
-pub(super) struct Tanh {
-    #[command(flatten)]
-    pub(super) ends: Ends,
-
-    /// B (1/s): how steeply the angle changes
-    #[arg(long, value_name = "B", value_parser = steepness, allow_hyphen_values = true, default_value = "2.1")]
-    steepness: f64,
-
-    /// C, a number or seconds
-    #[arg(long, value_name = "C", value_parser = shift, allow_hyphen_values = true, default_value = "3")]
-    shift: f64,
-
-    /// How C is read [default: seconds, of `disc` printed]
-    #[arg(long, value_enum)]
-    centre: Option<Reading>,
 }
 
 /// How long a valve opens.
 #[derive(Args, Debug)]
-pub(super) struct Valve {
+pub(crate) struct Valve {
     /// Valve opening time t_v (s), as in 40ms [default: 0.04, of `disc` 0.05]
     #[arg(long, value_name = "TIME", value_parser = quantity::time, allow_hyphen_values = true)]
     pub(super) valve_open: Option<f64>,
@@ -166,7 +152,7 @@ pub(super) struct Valve {
 
 /// Where a leg may fire.
 #[derive(Args, Debug)]
-pub(super) struct Zone {
+pub(crate) struct Zone {
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
     /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
@@ -244,59 +230,44 @@ pub(super) enum Direction {
     Backwards,
 }
 
-/// What the flags give.
-#[derive(Clone, Debug)]
+/// A run as the flags of its gait set it.
 pub(super) struct Chosen {
-    pub(super) program: Program,
-    /// Valve opening time (s).
-    pub(super) valve_open: f64,
-    /// Where the zone begins (rad).
-    pub(super) zone: f64,
-    pub(super) forwards: bool,
-    pub(super) taps: Vec<f64>,
-    /// Commanded speeds: from each time (s) on, a speed (m/s).
-    pub(super) speeds: Vec<[f64; 2]>,
+    pub(super) setup: Setup,
     /// The gait in words.
     pub(super) words: String,
-    /// The boxes of what was learnt.
-    pub(super) obstacles: Vec<Obstacle>,
+    /// The flags that say its firing angles.
+    pub(super) angles: &'static str,
 }
 
 impl Plane {
-    /// The robot that runs and what it is to do; `robot` says which one, given the one that has learnt.
+    /// The run for so many `seconds` of the robot that `robot` says, given the one that has learnt.
     pub(super) fn chosen(
         self,
         robot: impl FnOnce(Option<&Robot>) -> Result<Robot, CliError>,
-    ) -> Result<(Robot, Chosen), CliError> {
-        let (law, senses, direction, speeds) = match self {
-            Plane::Law(With { of, flags, .. }) => (of, flags.senses, flags.direction, Vec::new()),
-            Plane::Speed(it) => (Law::Speed, it.senses, Direction::Forwards, it.speed.0),
-            Plane::Policy(it) => {
-                let learned = Learned::load(&it.file)?;
+        seconds: f64,
+    ) -> Result<Chosen, CliError> {
+        let (law, senses, direction) = match self {
+            Plane::Law(With { of, flags, .. }) => (of, flags.senses, flags.direction),
+            Plane::Speed { speed, senses } => (Law::Speed(speed.0), senses, Direction::Forwards),
+            Plane::Policy { file } => {
+                let learned = Learned::load(&file)?;
                 let robot = robot(Some(learned.robot()))?;
-                let chosen = learned.chosen(&robot)?;
-                return Ok((robot, chosen));
+                return learned.chosen(robot, seconds);
             }
         };
-        let robot = robot(None)?;
-        let (program, zone) = law.found(&robot, &senses)?;
-        let chosen = Chosen {
-            words: law.words(&program),
-            valve_open: law.valve_open().unwrap_or(0.04),
-            program,
-            zone,
-            forwards: direction == Direction::Forwards,
-            taps: senses.taps.0,
-            speeds,
-            obstacles: Vec::new(),
-        };
-        Ok((robot, chosen))
+        let mut setup = law.setup(robot(None)?, senses, seconds)?;
+        setup.forwards = direction == Direction::Forwards;
+        Ok(Chosen {
+            words: law.words(&setup),
+            angles: law.angles(),
+            setup,
+        })
     }
 }
 
 impl Learned {
     /// What `robot` is to do.
-    pub(super) fn chosen(&self, robot: &Robot) -> Result<Chosen, CliError> {
+    fn chosen(&self, robot: Robot, seconds: f64) -> Result<Chosen, CliError> {
         let settings = &self.settings;
         let (own, legs) = (self.robot().body.legs, robot.body.legs);
         if own != legs {
@@ -305,6 +276,10 @@ impl Learned {
             return Err(CliError::content(&robot.name, reason));
         }
         let program = settings.policy(&self.table).map(Program::Learnt);
+        let program = program.map_err(|error| CliError::content("policy", error))?;
+        let mut setup = Setup::new(robot, program, seconds);
+        setup.zone = Course::default().zone;
+        setup.obstacles.clone_from(&settings.plant.obstacles);
         let words = format!(
             "{} by {}, as seed {} learnt it",
             settings.task.name(),
@@ -312,14 +287,9 @@ impl Learned {
             self.seed
         );
         Ok(Chosen {
-            program: program.map_err(|error| CliError::content("policy", error))?,
-            valve_open: 0.04,
-            zone: Course::default().zone,
-            forwards: true,
-            taps: vec![0.2; 5],
-            speeds: Vec::new(),
+            setup,
             words,
-            obstacles: settings.plant.obstacles.clone(),
+            angles: "policy",
         })
     }
 }
@@ -339,9 +309,9 @@ impl Tanh {
     }
 }
 
-impl ClosedLoop {
+impl Falls {
     /// The lines from `first` (rad).
-    fn lines(&self, first: f64) -> Result<Lines, CliError> {
+    fn program(&self, first: f64) -> Result<Program, CliError> {
         let (last, at) = (self.ends.to.unwrap_or(-0.1), self.top_rate);
         if self.lines == LinesKind::One {
             let given = [
@@ -349,134 +319,88 @@ impl ClosedLoop {
                 ("--first-slope", self.first_slope.is_some()),
             ];
             CliError::unused(&given, "used with --lines two or jump, not one")?;
-            return Ok(Lines::One { first, last, at });
+            return Ok(Program::ClosedLoop(Lines::One { first, last, at }));
         }
         let switch = self.switch.unwrap_or(5.0);
         if switch >= at {
             let allowed = format!("below --top-rate, {at} rad/s");
             return Err(CliError::flag("--switch", switch, allowed));
         }
-        Ok(Lines::Two {
+        Ok(Program::ClosedLoop(Lines::Two {
             first,
             slope: self.first_slope.unwrap_or(-0.01),
             switch,
             last,
             at,
             jumps: self.lines == LinesKind::Jump,
-        })
-    }
-}
-
-impl Senses {
-    /// Weights of the rate's filter.
-    pub(crate) fn taps(&self) -> Vec<f64> {
-        self.taps.0.clone()
+        }))
     }
 }
 
 impl Law {
-    /// Valve opening time (s), where a flag says it.
-    pub(crate) fn valve_open(&self) -> Option<f64> {
-        let valve = match self {
-            Law::Fixed(law) => &law.valve,
-            Law::OpenLoop(law) => &law.valve,
-            Law::ClosedLoop(law) => &law.valve,
-            Law::Curve(_) | Law::Smooth(_) | Law::Speed => return None,
-        };
-        valve.valve_open
-    }
-
-    /// The law for `robot`, and where its zone begins (rad).
-    pub(crate) fn found(&self, robot: &Robot, senses: &Senses) -> Result<(Program, f64), CliError> {
-        let legs = robot.body.legs;
-        if !(3..=12).contains(&legs) {
-            let reason = format!("body.legs = {legs}: must be from 3 to 12, for a robot that runs");
-            return Err(CliError::content(&robot.name, reason));
-        }
-        let open = self.valve_open();
-        if let Some(open) = open.filter(|open| *open > 1.0) {
-            let open = format!("{} s", digits(open, 6));
-            return Err(CliError::flag("--valve-open", open, "from 0 to 1 s"));
-        }
-        note_valve(robot, open.map(|_| "--valve-open"));
-        let half = 0.5 * TAU / f64::from(legs);
+    /// The run of `robot` for so many `seconds`.
+    pub(crate) fn setup(
+        &self,
+        robot: Robot,
+        senses: Senses,
+        seconds: f64,
+    ) -> Result<Setup, CliError> {
+        let pitch = TAU / f64::from(robot.body.legs);
         let zone = senses.zone.zone.unwrap_or(match self {
-            Law::Fixed(_) | Law::OpenLoop(_) | Law::Speed => 0.0,
-            _ => (-0.3_f64).max(-half),
+            Law::Fixed { .. } | Law::OpenLoop { .. } | Law::Speed(_) => 0.0,
+            _ => (-0.3_f64).max(-0.5 * pitch),
         });
-        if zone.abs() > half {
-            let half = digits(half, 4);
-            let allowed = format!("from -{half} to {half} rad, half a pitch of the legs");
-            return Err(CliError::flag("--zone", format!("{zone} rad"), allowed));
-        }
         // The legs of a robot that has many are closer than the thesis' angle.
-        let close = 0.35_f64.min(0.9 * (zone + 2.0 * half));
+        let from = |ends: &Ends| ends.from.unwrap_or(0.35_f64.min(0.9 * (zone + pitch)));
         let program = match self {
-            Law::Fixed(Fixed { firing_angle, .. }) => Program::Fixed {
+            Law::Fixed { firing_angle, .. } => Program::Fixed {
                 firing_angle: *firing_angle,
             },
-            Law::OpenLoop(law) => {
-                let first = law.tanh.ends.from.unwrap_or(close);
-                law.tanh.program(first, Reading::Seconds)
-            }
-            Law::ClosedLoop(law) => Program::ClosedLoop(law.lines(law.ends.from.unwrap_or(close))?),
-            Law::Curve(law) => Program::Curve(law.knots.0.clone()),
-            Law::Smooth(law) => law.aim.law().program(),
-            Law::Speed => {
-                let law = speed_law(robot, available());
-                Program::Curve(law.map_err(|error| refused(error, robot))?)
+            Law::OpenLoop { tanh, .. } => tanh.program(from(&tanh.ends), Reading::Seconds),
+            Law::ClosedLoop { falls, .. } => falls.program(from(&falls.ends))?,
+            Law::Curve { knots } => Program::Curve(knots.0.clone()),
+            Law::Smooth { aim } => aim.law().program(),
+            Law::Speed(_) => {
+                let law = speed_law(&robot, available());
+                Program::Curve(law.map_err(|error| refused(error, &robot, self.angles()))?)
             }
         };
-        self.within(&program, (zone, 2.0 * half))?;
-        Ok((program, zone))
-    }
-
-    /// Refuses angles that lie outside the active zone.
-    fn within(&self, program: &Program, (zone, pitch): (f64, f64)) -> Result<(), CliError> {
-        let angles: Vec<(&'static str, f64)> = match program {
-            Program::Fixed { firing_angle } => vec![("--firing-angle", *firing_angle)],
-            Program::OpenLoop { first, last, .. }
-            | Program::ClosedLoop(Lines::One { first, last, .. }) => {
-                vec![("--from", *first), ("--to", *last)]
+        let mut setup = match (program, self) {
+            (Program::Curve(law), Law::Speed(speeds)) => {
+                let setup = Setup::holding(&robot, law, speeds, seconds);
+                setup.map_err(|error| refused(error, &robot, self.angles()))?
             }
-            Program::ClosedLoop(lines @ Lines::Two { first, last, .. }) => {
-                let knots = lines.knots().into_iter();
-                let knots = knots.map(|[_, angle]| ("--first-slope, --switch", angle));
-                let ends = [("--from", *first), ("--to", *last)];
-                ends.into_iter().chain(knots).collect()
-            }
-            Program::Curve(knots) => {
-                let flag = match self {
-                    Law::Smooth(_) => "smooth",
-                    Law::Speed => "speed",
-                    _ => "--knots",
-                };
-                knots.iter().map(|knot| (flag, knot[1])).collect()
-            }
-            Program::Learnt(..) => Vec::new(),
+            (program, _) => Setup::new(robot, program, seconds),
         };
-        for (flag, angle) in angles {
-            if !(zone..zone + pitch).contains(&angle) {
-                let allowed = format!(
-                    "in the active zone, from {zone} to below {} rad (--zone moves it)",
-                    digits(zone + pitch, 5)
-                );
-                let value = match flag {
-                    "--first-slope, --switch" | "smooth" | "speed" => {
-                        format!("(α_f {} rad)", digits(angle, 6))
-                    }
-                    _ => format!("{} rad", digits(angle, 6)),
-                };
-                return Err(CliError::flag(flag, value, allowed));
-            }
+        setup.zone = zone;
+        setup.taps = senses.taps.0;
+        if let Law::Fixed { valve, .. }
+        | Law::OpenLoop { valve, .. }
+        | Law::ClosedLoop { valve, .. } = self
+            && let Some(open) = valve.valve_open
+        {
+            setup.valve_open = open;
+            note_valve(&setup.robot, Some("--valve-open"));
         }
-        Ok(())
+        Ok(setup)
     }
 
-    /// The law in words, and how long its valve opens.
-    fn words(&self, program: &Program) -> String {
+    /// The flags that say its firing angles.
+    pub(crate) fn angles(&self) -> &'static str {
+        match self {
+            Law::Fixed { .. } => "--firing-angle",
+            Law::OpenLoop { .. } => "--from, --to",
+            Law::ClosedLoop { .. } => "--from, --to, --first-slope, --switch",
+            Law::Curve { .. } => "--knots",
+            Law::Smooth { .. } => "smooth",
+            Law::Speed(_) => "speed",
+        }
+    }
+
+    /// The law of `setup` in words.
+    fn words(&self, setup: &Setup) -> String {
         let short = |x: f64| digits(x, 4);
-        let words = match program {
+        let words = match &setup.program {
             Program::Fixed { firing_angle } => {
                 format!("fixed, α_f {} rad", short(*firing_angle))
             }
@@ -490,19 +414,13 @@ impl Law {
                     Centre::Printed(c) => c / slope,
                     Centre::Seconds(c) => *c,
                 };
-                format!(
-                    "open-loop, α_f {} to {} rad around {} s",
-                    short(*first),
-                    short(*last),
-                    short(middle)
-                )
+                let [first, last, middle] = [*first, *last, middle].map(short);
+                format!("open-loop, α_f {first} to {last} rad around {middle} s")
             }
-            Program::ClosedLoop(Lines::One { first, last, at }) => format!(
-                "closed-loop, one line, α_f {} to {} rad at {} rad/s",
-                short(*first),
-                short(*last),
-                short(*at)
-            ),
+            Program::ClosedLoop(Lines::One { first, last, at }) => {
+                let [first, last, at] = [*first, *last, *at].map(short);
+                format!("closed-loop, one line, α_f {first} to {last} rad at {at} rad/s")
+            }
             Program::ClosedLoop(Lines::Two {
                 first,
                 switch,
@@ -510,20 +428,19 @@ impl Law {
                 at,
                 jumps,
                 ..
-            }) => format!(
-                "closed-loop, two lines{}, α_f {} to {} rad at {} rad/s, switched at {} rad/s",
-                if *jumps { " with a jump" } else { "" },
-                short(*first),
-                short(*last),
-                short(*at),
-                short(*switch)
-            ),
+            }) => {
+                let [first, last, at, switch] = [*first, *last, *at, *switch].map(short);
+                let jump = if *jumps { " with a jump" } else { "" };
+                format!(
+                    "closed-loop, two lines{jump}, α_f {first} to {last} rad at {at} rad/s, switched at {switch} rad/s"
+                )
+            }
             Program::Learnt(..) => String::new(),
             Program::Curve(law) => {
                 return match self {
-                    Law::Smooth(OfSmooth { aim: Aim::Quick }) => "smooth, quick from rest".into(),
-                    Law::Smooth(_) => "smooth, sparing of gas".into(),
-                    Law::Speed => format!(
+                    Law::Smooth { aim: Aim::Quick } => "smooth, quick from rest".into(),
+                    Law::Smooth { .. } => "smooth, sparing of gas".into(),
+                    Law::Speed(_) => format!(
                         "speed, by a law measured from {} to {} m/s",
                         short(law.get(1).map_or(0.0, |knot| knot[0])),
                         short(law.last().map_or(0.0, |knot| knot[0]))
@@ -532,7 +449,6 @@ impl Law {
                 };
             }
         };
-        let open = self.valve_open().unwrap_or(0.04);
-        format!("{words}, valve open {} ms", digits(open * 1e3, 4))
+        format!("{words}, valve open {} ms", short(setup.valve_open * 1e3))
     }
 }

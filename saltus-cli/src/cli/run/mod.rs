@@ -239,8 +239,11 @@ accelerometers, and settings.toml. With --believed the folder names another robo
 struct InPlane {
     flags: RunFlags,
     plane: PlaneFlags,
+    /// The name of the gait, and the gait in words.
     gait: String,
-    chosen: Chosen,
+    words: String,
+    /// The flags that say its firing angles.
+    angles: &'static str,
 }
 
 impl Run {
@@ -255,25 +258,23 @@ impl Run {
             Gait::Plane(With {
                 of, flags: plane, ..
             }) => {
-                let (robot, chosen) = of.chosen(|learned| {
-                    let robot = flags.robot(learned, "rats-run")?;
-                    let suits = robot.space.is_none();
-                    suits.then_some(()).ok_or_else(|| unsuited(&robot, &gait))?;
-                    Ok(robot)
-                })?;
+                let robot = |learnt: Option<&Robot>| flags.robot(&gait, false, learnt);
+                let Chosen {
+                    setup,
+                    words,
+                    angles,
+                } = of.chosen(robot, flags.seconds)?;
                 let run = InPlane {
                     flags,
                     plane,
                     gait,
-                    chosen,
+                    words,
+                    angles,
                 };
-                run.run(&robot)
+                run.run(setup)
             }
             Gait::Ball(ball) => {
-                let robot = flags.robot(None, "rats-twelve")?;
-                if robot.space.is_none() {
-                    return Err(unsuited(&robot, &gait));
-                }
+                let robot = flags.robot(&gait, true, None)?;
                 InSpace { flags, gait, ball }.run(&robot)
             }
         }
@@ -295,55 +296,27 @@ pub(crate) fn without_gait(words: &[OsString]) -> Option<CliError> {
     Some(CliError::flag("run", first.to_string_lossy(), allowed))
 }
 
-/// That `robot` does not have `gait`.
-fn unsuited(robot: &Robot, gait: &str) -> CliError {
-    let (its, other) = match robot.space {
-        Some(_) => ("sphere", "wheel"),
-        None => ("wheel", "sphere"),
-    };
-    let reason = format!("body.shape = {its}: must be {other}, for the gait {gait}");
-    CliError::content(&robot.name, reason)
-}
-
 impl InPlane {
-    fn run(&self, robot: &Robot) -> Result<Status, CliError> {
-        disturb::check(&self.plane.disturb, robot)?;
-        self.note_what_never_comes();
-        let setup = self.setup(robot)?;
+    fn run(&self, mut setup: Setup) -> Result<Status, CliError> {
+        let disturb = &self.plane.disturb;
+        disturb::check(disturb, &setup.robot)?;
+        self.note_what_never_comes(&setup);
+        setup.disturbances = disturb.iter().map(|typed| typed.disturbance).collect();
+        setup.seed = self.flags.seed;
+        setup.stepping = if self.plane.exact {
+            Stepping::Adaptive
+        } else {
+            self.flags.stepping()
+        };
         if self.flags.robots.is_some() {
             return self.many(&setup);
         }
         self.one(&setup)
     }
 
-    fn setup(&self, robot: &Robot) -> Result<Setup, CliError> {
-        let (chosen, flags) = (&self.chosen, &self.flags);
-        let mut setup = match &chosen.program {
-            Program::Curve(law) if !chosen.speeds.is_empty() => {
-                Setup::holding(robot, law.clone(), &chosen.speeds, flags.seconds)
-                    .map_err(|error| refused(error, robot))?
-            }
-            program => Setup::new(robot.clone(), program.clone(), flags.seconds),
-        };
-        setup.valve_open = chosen.valve_open;
-        setup.zone = chosen.zone;
-        setup.forwards = chosen.forwards;
-        setup.taps.clone_from(&chosen.taps);
-        let disturbances = self.plane.disturb.iter().map(|typed| typed.disturbance);
-        setup.disturbances = disturbances.collect();
-        setup.obstacles.clone_from(&chosen.obstacles);
-        setup.seed = flags.seed;
-        setup.stepping = if self.plane.exact {
-            Stepping::Adaptive
-        } else {
-            flags.stepping()
-        };
-        Ok(setup)
-    }
-
     /// Says what the schedules have after the end, and which speeds the robot cannot hold.
-    fn note_what_never_comes(&self) {
-        let (seconds, chosen) = (self.flags.seconds, &self.chosen);
+    fn note_what_never_comes(&self, setup: &Setup) {
+        let seconds = setup.seconds;
         for typed in &self.plane.disturb {
             if let When::Time(from, _) = typed.disturbance.when
                 && from >= seconds
@@ -354,12 +327,12 @@ impl InPlane {
                 ));
             }
         }
-        let slowest_and_fastest = match &chosen.program {
+        let slowest_and_fastest = match &setup.program {
             Program::Curve(law) if law.len() > 1 => [law[1][0], law[law.len() - 1][0]],
             _ => return,
         };
         let [slowest, fastest] = slowest_and_fastest;
-        for &[time, speed] in &chosen.speeds {
+        for &[time, speed] in &setup.speeds {
             if time >= seconds {
                 message(&format!(
                     "--speed {time}:{speed} begins after the end of the run, {seconds} s"
@@ -376,26 +349,24 @@ impl InPlane {
 
     /// One run.
     fn one(&self, setup: &Setup) -> Result<Status, CliError> {
-        let chosen = &self.chosen;
         self.flags.places()?;
         let interrupt = Interrupt::listen()?;
         // A length is at most 100,000 s.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let progress = Progress::new("simulated seconds", self.flags.seconds.ceil() as usize);
         let mut follower = Follower::new(setup.sensors().period, &interrupt, &progress);
-        follower.held = Held::all(&chosen.speeds, setup.seconds);
+        follower.held = Held::all(&setup.speeds, setup.seconds);
         follower.boxes = OnTheWay::all(setup);
         let believed = self.believed(setup)?;
         self.open(&mut follower, setup)?;
-        let summary = run(setup, &mut follower).map_err(|error| refused(error, &setup.robot))?;
+        let summary =
+            run(setup, &mut follower).map_err(|error| refused(error, &setup.robot, self.angles))?;
         let kept = follower.kept();
         let report = report::Report {
+            run: self,
             setup,
-            gait: &self.gait,
-            chosen,
             summary: &summary,
             follower: &follower,
-            disturbances: &self.plane.disturb,
             interrupted: interrupt.came(),
         };
         let mut files = self.files(&report, kept.rows, kept.film)?;
@@ -491,13 +462,22 @@ impl InPlane {
 }
 
 impl RunFlags {
-    /// The robot that runs, `usual` where none is named and none has `learnt`.
-    fn robot(&self, learnt: Option<&Robot>, usual: &str) -> Result<Robot, CliError> {
-        match (&self.robot, learnt) {
-            (None, Some(own)) if self.overrides.is_empty() => Ok(own.clone()),
-            (None, Some(own)) => Ok(resolve_text(&own.to_toml(), &own.name, &self.overrides)?),
-            (name, _) => any_robot(name.as_deref().unwrap_or(usual), &self.overrides),
+    /// The robot that runs by `gait`: in space or in its plane, and the one that has `learnt` where none is named.
+    fn robot(&self, gait: &str, in_space: bool, learnt: Option<&Robot>) -> Result<Robot, CliError> {
+        let (usual, shape, other) = if in_space {
+            ("rats-twelve", "sphere", "wheel")
+        } else {
+            ("rats-run", "wheel", "sphere")
+        };
+        let robot = match (&self.robot, learnt) {
+            (None, Some(own)) => resolve_text(&own.to_toml(), &own.name, &self.overrides)?,
+            (name, _) => any_robot(name.as_deref().unwrap_or(usual), &self.overrides)?,
+        };
+        if robot.space.is_some() == in_space {
+            return Ok(robot);
         }
+        let reason = format!("body.shape = {other}: must be {shape} for the gait {gait}");
+        Err(CliError::content(&robot.name, reason))
     }
 
     /// The steps in which the motion is computed.

@@ -12,7 +12,9 @@ pub(super) fn html(report: &Report<'_>, film: Film) -> String {
         ended: report.ending(),
         ran: report.summary.ending == Ending::Ran,
         disturbances: report
-            .disturbances
+            .run
+            .plane
+            .disturb
             .iter()
             .map(|d| d.text.as_str())
             .collect(),

@@ -7,20 +7,16 @@ use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
+use super::InPlane;
 use super::follow::{Follower, OUT, OnTheWay};
-use super::gait::Chosen;
-use crate::cli::disturb::Typed;
 use crate::output::{self, digits};
 
 /// A run and what it came to.
 pub(super) struct Report<'a> {
+    pub(super) run: &'a InPlane,
     pub(super) setup: &'a Setup,
-    /// The name of the gait.
-    pub(super) gait: &'a str,
-    pub(super) chosen: &'a Chosen,
     pub(super) summary: &'a Summary,
     pub(super) follower: &'a Follower<'a>,
-    pub(super) disturbances: &'a [Typed],
     /// Whether Ctrl-C ended it.
     pub(super) interrupted: bool,
 }
@@ -28,7 +24,7 @@ pub(super) struct Report<'a> {
 impl Report<'_> {
     /// 1, or −1 for a run backwards.
     fn sign(&self) -> f64 {
-        if self.chosen.forwards { 1.0 } else { -1.0 }
+        if self.setup.forwards { 1.0 } else { -1.0 }
     }
 
     /// The run in a line.
@@ -36,10 +32,10 @@ impl Report<'_> {
         let mut title = format!(
             "{}: {}, {} s",
             self.setup.robot.name,
-            self.chosen.words,
+            self.run.words,
             digits(self.setup.seconds, 6)
         );
-        if !self.chosen.forwards {
+        if !self.setup.forwards {
             title += ", backwards";
         }
         title
@@ -132,7 +128,7 @@ impl Report<'_> {
     fn course(&self) -> Vec<(&'static str, String)> {
         let s = self.summary;
         let sign = self.sign();
-        let disturbed = self.disturbances.iter();
+        let disturbed = self.run.plane.disturb.iter();
         let mut lines: Vec<_> = disturbed
             .map(|typed| ("disturbed by", typed.text.clone()))
             .collect();
@@ -355,24 +351,20 @@ impl Report<'_> {
                 "impacts_at_stops": l.stops, "residual": -s.residual, "gas_residual": s.gas_residual,
             },
         });
-        let head = head(self.setup, (self.gait, self.chosen), self.disturbances);
+        let head = head(self.setup, self.run);
         joined([head, motion, energy])
     }
 }
 
 /// What was run, for JSON.
-pub(super) fn head(
-    setup: &Setup,
-    (gait, chosen): (&str, &Chosen),
-    disturbances: &[Typed],
-) -> Value {
-    let disturbed: Vec<&str> = disturbances.iter().map(|d| d.text.as_str()).collect();
+pub(super) fn head(setup: &Setup, run: &InPlane) -> Value {
+    let disturbed: Vec<&str> = run.plane.disturb.iter().map(|d| d.text.as_str()).collect();
     json!({
         "command": "run",
         "robot": setup.robot.name,
-        "gait": gait,
-        "gait_in_words": chosen.words,
-        "direction": if chosen.forwards { "forwards" } else { "backwards" },
+        "gait": run.gait,
+        "gait_in_words": run.words,
+        "direction": if setup.forwards { "forwards" } else { "backwards" },
         "zone_rad": setup.zone,
         "taps": setup.taps,
         "seconds": setup.seconds,

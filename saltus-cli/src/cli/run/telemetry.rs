@@ -167,14 +167,19 @@ pub(super) fn settings(report: &Report<'_>) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(text, "{name} = {value}");
     };
-    key("gait", quoted(report.gait));
+    key("gait", quoted(&report.run.gait));
     key("backwards", (!setup.forwards).to_string());
     key("zone_rad", float(setup.zone));
     let taps: Vec<String> = setup.taps.iter().map(|tap| float(*tap)).collect();
     key("taps", format!("[{}]", taps.join(", ")));
     key("period_s", float(sensors.period));
     key("seed", setup.seed.to_string());
-    let disturbed = report.disturbances.iter().map(|typed| quoted(&typed.text));
+    let disturbed = report
+        .run
+        .plane
+        .disturb
+        .iter()
+        .map(|typed| quoted(&typed.text));
     let disturbed: Vec<String> = disturbed.collect();
     key("disturbances", format!("[{}]", disturbed.join(", ")));
     key("[one_count]\nwheel_encoder_rad", float(one.wheel));
