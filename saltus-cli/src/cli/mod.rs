@@ -238,7 +238,11 @@ mod tests {
                 match super::Cli::try_parse_from(&line).map_err(|error| (error.kind(), error)) {
                     Ok(_) | Err((ErrorKind::DisplayHelp, _)) => {}
                     Err((ErrorKind::InvalidValue, _)) if names_a_flag => {}
-                    Err((ErrorKind::MissingRequiredArgument, _)) if line.len() < 5 => {}
+                    Err((
+                        ErrorKind::MissingRequiredArgument
+                        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand,
+                        _,
+                    )) if line.len() < 5 => {}
                     Err((_, error)) => {
                         wrong.push(format!("{}: {}: {error}", page.display(), line.join(" ")));
                     }

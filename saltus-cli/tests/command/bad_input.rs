@@ -536,7 +536,7 @@ const CASES: &[(&str, &[&str])] = &[
         &["nowhere/a.csv: cannot be written"],
     ),
     (
-        "simulate --omega 5 --alpha-f 0 --out a.svg --plot a.svg",
+        "simulate --omega 5 --alpha-f 0 --out a.svg --format text --plot a.svg",
         &["--plot a.svg: must be another file than --out"],
     ),
     (

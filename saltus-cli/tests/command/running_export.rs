@@ -24,7 +24,7 @@ fn what_means_nothing_is_refused() {
         ),
         (
             "export gait curve --knots 0:1.2:40ms --out x",
-            &["--knots 1.2 rad", "active zone"],
+            &["--knots", "1.2", "active zone"],
         ),
     ] {
         let run = folder.run(&line.split(' ').collect::<Vec<_>>());

@@ -14,9 +14,9 @@ use saltus::gait::GaitError;
 use saltus::gait::space::{Ball as Cycle, Knows, Left, Roll, Thrown};
 use serde_json::{Value, json};
 
+use super::described::settings_in_space;
 use super::report::approximate;
 use super::rows::Rows;
-use super::telemetry::settings_in_space;
 use super::{RunFlags, note_interrupt};
 use crate::cli::Status;
 use crate::error::CliError;

@@ -1,6 +1,7 @@
 //! `saltus run`: a robot that runs, under the controller that is flashed.
 
 mod ball;
+mod described;
 mod ensemble;
 mod figure;
 mod follow;
@@ -375,8 +376,8 @@ impl InPlane {
             files.check()?;
         }
         if let Some((folder, _)) = kept.telemetry {
-            let manifest = telemetry::manifest(&report, &believed);
-            folder.publish(&believed, telemetry::settings(&report), Some(manifest))?;
+            let manifest = described::manifest(&report, &believed);
+            folder.publish(&believed, described::settings(&report), Some(manifest))?;
         }
         note_interrupt(&interrupt, summary.time);
         files.write()?;
