@@ -4,6 +4,7 @@ mod advice;
 mod animation;
 mod context;
 mod drawing;
+mod load;
 mod report;
 mod subject;
 mod table_file;
@@ -172,7 +173,7 @@ impl Verify {
             samples: how.samples.max(LEAST_DRAWN),
             ..how.clone()
         });
-        let loaded = subject::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
+        let loaded = load::load(&self.subject, robot.clone(), &plant, margins.as_ref())?;
         let Some(loaded) = loaded else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], &robot).csv(),

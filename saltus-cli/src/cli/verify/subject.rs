@@ -11,7 +11,6 @@ use saltus::planner::{Corrected, CrossingAnswer, Planner};
 use saltus::robust::{self, Robust, RobustError};
 use saltus::verify::{Plant, Rule, Steering, Subject, Verification};
 
-use super::table_file;
 use crate::cli::target::{Block, block};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
@@ -74,45 +73,13 @@ pub(super) fn on_plant(robot: &Robot, plant: &Plant) -> Result<OnPlant, CliError
     OnPlant::new(robot, plant).map_err(|error| CliError::content(&plant.name, error))
 }
 
-/// What the flags name, for `robot`; none for a course that no plan crosses. A corrected plan has
-/// margins for the runs `margins`.
-pub(super) fn load(
+/// A law, for the rates that the flags name.
+pub(super) fn law(
     flags: &SubjectFlags,
+    slope: f64,
+    intercept: f64,
     robot: Robot,
-    plant: &Plant,
-    margins: Option<&Verification>,
-) -> Result<Option<Loaded>, CliError> {
-    flags.terms.note_valve(&robot);
-    let ending = flags.file.as_deref().and_then(ending);
-    let is_course = flags.file.is_some() && matches!(ending.as_deref(), None | Some("toml"));
-    if flags.correct && !is_course {
-        let allowed = "left out where there is no course";
-        return Err(CliError::flag("--correct", "", allowed));
-    }
-    match (&flags.file, flags.law) {
-        (Some(file), None) => match ending.as_deref() {
-            Some("csv") => table_file::load(flags, file, robot, plant).map(Some),
-            None | Some("toml") => plan(flags, file, robot, plant, margins),
-            Some(_) => Err(CliError::content(
-                file.display(),
-                "verify reads a course (.toml) or a table that `saltus table` wrote as CSV \
-                     (.csv)",
-            )),
-        },
-        (_, Some((slope, intercept))) => law(flags, slope, intercept, robot).map(Some),
-        _ => Err(CliError::Missing {
-            flag: "COURSE.toml",
-            allowed: "or TABLE.csv, or --law",
-        }),
-    }
-}
-
-/// How a file's name ends, in small letters.
-fn ending(file: &Path) -> Option<String> {
-    Some(file.extension()?.to_str()?.to_ascii_lowercase())
-}
-
-fn law(flags: &SubjectFlags, slope: f64, intercept: f64, robot: Robot) -> Result<Loaded, CliError> {
+) -> Result<Loaded, CliError> {
     let rates = flags
         .omega
         .as_ref()
@@ -169,7 +136,7 @@ pub(super) fn rule(
 }
 
 /// The plan of a course; a corrected one with margins for the runs `margins`.
-fn plan(
+pub(super) fn plan(
     flags: &SubjectFlags,
     path: &Path,
     robot: Robot,
