@@ -25,7 +25,7 @@ LONG: dict[str, Callable[[Path, Path], object]] = {
     "verify": lambda at, bench: saltus.verify(law=(-0.12, 0.38), omega_rad_s=5, distance_m=0.6, plant="rats-boom", samples=100_000),
     "run": lambda at, bench: saltus.run(seconds=600, mcap=at),
     "robots": lambda at, bench: saltus.run(seconds=60, robots=1000),
-    "diagnose": lambda at, bench: saltus.diagnose(bench, false_alarms=0.001, report=at),
+    "diagnose": lambda at, bench: saltus.diagnose(bench, most=6, report=at),
     "design": lambda at, bench: saltus.design(bench.parent / "plan.toml", effect={"coulomb-friction": 25}),
 }
 
