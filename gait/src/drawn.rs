@@ -121,13 +121,10 @@ pub fn drawn_robot(robot: &Robot, draw: &Draw, seed: u64, k: usize) -> Result<Ro
 }
 
 impl Ensemble {
-    /// Runs robot after robot, on so many `threads`: the same answers for any number of them.
-    /// `ran` is told as each is done.
-    ///
-    /// # Errors
-    /// [`GaitError`] of the first robot that cannot run.
-    pub fn run(&self, threads: usize, ran: &(impl Fn() + Sync)) -> Result<Vec<Summary>, GaitError> {
-        let one = |k: usize| {
+    /// What became of each robot, in order: the same for any number of `threads`. `ran` is told as
+    /// each is done. One that cannot be simulated does not end the others.
+    pub fn run(&self, threads: usize, ran: &(impl Fn() + Sync)) -> Vec<Result<Summary, GaitError>> {
+        parallel::map_on(threads, self.robots, |k| {
             let setup = Setup {
                 robot: drawn_robot(&self.setup.robot, &self.draw, self.seed, k)?,
                 seed: self.setup.seed.wrapping_add(k as u64),
@@ -136,10 +133,7 @@ impl Ensemble {
             let summary = run(&setup, &mut ());
             ran();
             summary
-        };
-        parallel::map_on(threads, self.robots, one)
-            .into_iter()
-            .collect()
+        })
     }
 }
 

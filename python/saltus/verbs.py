@@ -300,8 +300,6 @@ def learn(
     disturb: Sequence[str] = (),
     resume: PathLike | None = None,
     threads: int | None = None,
-    animate: PathLike | None = None,
-    shown: Sequence[int] | None = None,
     plot: PathLike | None = None,
     robot: RobotLike | None = None,
     set: Overrides = (),

@@ -1,7 +1,6 @@
 //! What many runs come to: shares with their intervals, and what gas could do.
 
-use saltus_gait::{Ensemble, GaitError, Setup, Summary, drawn_robot, run};
-use saltus_numeric::parallel;
+use saltus_gait::Summary;
 use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
 
@@ -47,26 +46,6 @@ impl Share {
         };
         [low, high]
     }
-}
-
-/// What became of each robot of `ensemble`, in order: the same for any number of `threads`. `ran` is
-/// told as each is done. One that cannot be simulated does not end the others.
-pub fn each(
-    ensemble: &Ensemble,
-    threads: usize,
-    ran: &(impl Fn() + Sync),
-) -> Vec<Result<Summary, GaitError>> {
-    parallel::map_on(threads, ensemble.robots, |k| {
-        let Ensemble { setup, draw, .. } = ensemble;
-        let setup = Setup {
-            robot: drawn_robot(&setup.robot, draw, ensemble.seed, k)?,
-            seed: setup.seed.wrapping_add(k as u64),
-            ..setup.clone()
-        };
-        let summary = run(&setup, &mut ());
-        ran();
-        summary
-    })
 }
 
 /// What the runs of many robots came to.

@@ -6,7 +6,6 @@ pub(crate) mod packed;
 #[cfg(test)]
 mod tests;
 
-use saltus::chart::escaped;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -16,7 +15,6 @@ pub(crate) use of_report::sizes;
 const TEMPLATE: &str = include_str!("../../assets/animation.html");
 const RUN_TEMPLATE: &str = include_str!("../../assets/run.html");
 const BALL_TEMPLATE: &str = include_str!("../../assets/ball.html");
-const SIDE_BY_SIDE: &str = include_str!("../../assets/side_by_side.html");
 const PLACE: &str = "@SCENE@";
 /// What all pages look like, in the place of [`STYLE_PLACE`].
 const STYLE: &str = include_str!("../../assets/animation.css");
@@ -161,20 +159,6 @@ pub(crate) fn run_page(scene: Value) -> String {
 /// A run of a robot in space as one HTML page that needs nothing else: `scene` has what its script reads.
 pub(crate) fn ball_page(scene: Value) -> String {
     filled(&BALL_TEMPLATE.replacen(VIEW_PLACE, VIEW, 1), scene)
-}
-
-/// Pages side by side, each below its caption.
-pub(crate) fn side_by_side(title: &str, pages: &[(String, String)]) -> String {
-    let frame = |(caption, page): &(String, String)| {
-        let page = page.replace('&', "&amp;").replace('"', "&quot;");
-        let caption = escaped(caption);
-        format!(
-            "<figure><figcaption>{caption}</figcaption><iframe title=\"{caption}\" srcdoc=\"{page}\"></iframe></figure>"
-        )
-    };
-    let frames: Vec<String> = pages.iter().map(frame).collect();
-    let page = SIDE_BY_SIDE.replace("@TITLE@", &escaped(title));
-    page.replacen("@FRAMES@", &frames.join("\n"), 1)
 }
 
 fn filled(template: &str, scene: Value) -> String {

@@ -38,11 +38,6 @@ pub(crate) struct RobotFlags {
 }
 
 impl RobotFlags {
-    /// Whether a robot is named, or changed.
-    pub(crate) fn are_given(&self) -> bool {
-        self.robot.is_some() || !self.overrides.is_empty()
-    }
-
     /// The robot that is named.
     pub(crate) fn name(&self) -> Option<&str> {
         self.robot.as_deref()

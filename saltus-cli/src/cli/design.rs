@@ -9,13 +9,13 @@ use saltus::diagnosis::Power;
 use saltus::experiment::Plan;
 use saltus::inject::{self, Asked, Effect};
 use saltus::power::{self, PowerError, Proposed, SEEN, Told};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::Status;
 use super::common::{OutputFlags, RobotFlags};
 use super::diagnose::Claims;
 use crate::error::CliError;
-use crate::output::{self, Format, cells, digits, grid, split, with_unit};
+use crate::output::{self, Column, Format, Table, cells, columns, digits, grid, split, with_unit};
 use crate::progress::Progress;
 
 /// Say what a planned experiment can tell: how often a diagnosis of its data would name each effect
@@ -160,6 +160,20 @@ fn title(power: &Power) -> String {
     })
 }
 
+/// A row for each parameter of an effect.
+fn columns<'a>() -> [Column<(&'a Power, &'a (String, f64))>; 8] {
+    columns! {
+        "cause", "", |(power, _)| power.id;
+        "column", "", |(power, _)| power.column.clone();
+        "parameter", "", |(_, it)| it.0.clone();
+        "value", "", |(_, it)| it.1;
+        "seen_by_sigmas", "", |(power, _)| power.visible;
+        "named", "", |(power, _)| power.named;
+        "alone", "", |(power, _)| power.alone;
+        "nothing", "", |(power, _)| power.nothing;
+    }
+}
+
 impl Answer<'_> {
     fn text(&self) -> String {
         let of = self
@@ -247,42 +261,22 @@ impl Answer<'_> {
     }
 
     fn csv(&self) -> String {
-        let mut text =
-            "cause,column,parameter,value,seen_by_sigmas,named,alone,nothing\n".to_owned();
-        for power in &self.told.effects {
-            let column = power.column.as_deref().unwrap_or_default();
-            for (name, value) in &power.values {
-                let _ = writeln!(
-                    text,
-                    "{},{column},{name},{value:?},{},{},{},{}",
-                    power.id, power.visible, power.named, power.alone, power.nothing
-                );
-            }
-        }
-        text
+        let effects = self.told.effects.iter();
+        let rows = effects.flat_map(|power| power.values.iter().map(move |value| (power, value)));
+        Table::of(&columns(), rows).csv()
     }
 }
 
 fn entry(power: &Power) -> Value {
-    let values: Map<String, Value> = power
-        .values
-        .iter()
-        .map(|(name, value)| (name.clone(), json!(value)))
-        .collect();
-    let others: Map<String, Value> = power
-        .others
-        .iter()
-        .map(|(id, share)| ((*id).to_owned(), json!(share)))
-        .collect();
     json!({
         "id": power.id,
         "column": power.column,
-        "parameters": values,
+        "parameters": power.values.iter().cloned().collect::<Value>(),
         "seen_by_sigmas": power.visible,
         "named": power.named,
         "alone": power.alone,
         "nothing": power.nothing,
-        "others": others,
+        "others": power.others.iter().copied().collect::<Value>(),
     })
 }
 

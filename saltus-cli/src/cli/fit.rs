@@ -8,13 +8,13 @@ use saltus::Robot;
 use saltus::diagnosis::{Combination, Estimated as Parameter, Undetermined, disbelieve};
 use saltus::experiment::{self, Folder};
 use saltus::fit::{self, Fitted, USUAL};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::Status;
 use super::common::{OutputFlags, RobotFlags, read_folders};
 use super::diagnose::words;
 use crate::error::CliError;
-use crate::output::{self, Files, Format, digits, reachable, unit};
+use crate::output::{self, Column, Files, Format, Table, columns, digits, reachable, unit};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
@@ -73,6 +73,23 @@ JSON: {\"command\": \"fit\", \"robot\": NAME, \"data\": {\"hash\", \"rows\", \"r
 
 The exit code is 1 if the data do not determine every parameter.";
 
+/// A parameter or a product of parameters.
+struct Fitting {
+    name: String,
+    believed: f64,
+    value: f64,
+    error: Option<f64>,
+    is_at_bound: bool,
+}
+
+const COLUMNS: [Column<Fitting>; 5] = columns! {
+    "parameter", "", |it| it.name.clone();
+    "believed", "", |it| it.believed;
+    "value", "", |it| it.value;
+    "standard_error", "", |it| it.error;
+    "at_bound", "", |it| it.is_at_bound;
+};
+
 /// A fit with what it is of.
 struct Report<'a> {
     folder: &'a Folder,
@@ -118,7 +135,7 @@ impl Fit {
         let text = match self.output.format() {
             Format::Text => report.text(),
             Format::Json => output::json(&report.json()),
-            Format::Csv => report.csv(),
+            Format::Csv => report.table().csv(),
         };
         let mut files = Files::default();
         if let Some(path) = &self.robot_out {
@@ -279,10 +296,10 @@ impl Report<'_> {
                 "slip": slip_of(p),
             })
         });
-        let named = |parts: &[(usize, f64)]| -> Map<String, Value> {
+        let named = |parts: &[(usize, f64)]| -> Value {
             parts
                 .iter()
-                .map(|&(i, part)| (self.name(i).to_owned(), json!(part)))
+                .map(|&(i, part)| (self.name(i), part))
                 .collect()
         };
         let undetermined = estimate.undetermined.iter().map(|direction| {
@@ -316,36 +333,38 @@ impl Report<'_> {
         })
     }
 
-    fn csv(&self) -> String {
+    /// A row for each parameter and each product that is known in its place.
+    fn table(&self) -> Table {
         let estimate = &self.fitted.estimate;
-        let mut out = String::from("parameter,believed,value,standard_error,at_bound\n");
-        for p in &estimate.parameters {
-            let error = p
-                .error
-                .map_or(String::new(), |error| format!("{error:.16e}"));
-            let _ = writeln!(
-                out,
-                "{},{:.16e},{:.16e},{error},{}",
-                p.name, p.believed, p.value, p.is_at_bound
-            );
-        }
-        for known in estimate
+        let mut rows: Vec<Fitting> = estimate
+            .parameters
+            .iter()
+            .map(|p| Fitting {
+                name: p.name.clone(),
+                believed: p.believed,
+                value: p.value,
+                error: p.error,
+                is_at_bound: p.is_at_bound,
+            })
+            .collect();
+        let known = estimate
             .undetermined
             .iter()
-            .filter_map(|direction| direction.known.as_ref())
-        {
-            let believed: f64 = known
-                .exponents
-                .iter()
-                .map(|&(i, e)| estimate.parameters[i].believed.powf(e))
-                .product();
-            let (name, value, error) = (self.words(known), known.value, known.error);
-            let _ = writeln!(
-                out,
-                "{name},{believed:.16e},{value:.16e},{error:.16e},false"
-            );
-        }
-        out
+            .filter_map(|it| it.known.as_ref());
+        rows.extend(known.map(|known| {
+            Fitting {
+                name: self.words(known),
+                believed: known
+                    .exponents
+                    .iter()
+                    .map(|&(i, e)| estimate.parameters[i].believed.powf(e))
+                    .product(),
+                value: known.value,
+                error: Some(known.error),
+                is_at_bound: false,
+            }
+        }));
+        Table::of(&COLUMNS, rows)
     }
 
     /// The robot with the fitted leg, as a file that says where it is from.

@@ -8,13 +8,13 @@ use saltus::diagnosis::Sort;
 use saltus::experiment;
 use saltus::inject::{self, Effect, Made, Request, Truth};
 use saltus::recording::Origin;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::Status;
 use super::common::{FormatFlag, OutFolder, RobotFlags, Seed};
 use super::recorded::command as asked_for;
 use crate::error::CliError;
-use crate::output::{self, Format, digits, print};
+use crate::output::{self, Column, Format, Table, columns, digits, print};
 
 /// The file of a robot that goes with the data.
 const OWN: &str = "robot.toml";
@@ -149,11 +149,7 @@ impl Inject {
 
     fn json(&self, made: &Made) -> Value {
         let entry = |truth: &Truth| {
-            let parameters: Map<String, Value> = truth
-                .parameters
-                .iter()
-                .map(|(name, value)| (name.clone(), json!(value)))
-                .collect();
+            let parameters: Value = truth.parameters.iter().cloned().collect();
             json!({ "id": truth.id, "column": truth.column, "parameters": parameters })
         };
         let (runs, rows) = size(made);
@@ -173,13 +169,16 @@ fn size(made: &Made) -> (usize, usize) {
     (runs.len(), runs.iter().map(|run| run.time.len()).sum())
 }
 
+/// A row for each parameter of an effect.
 fn csv(truth: &[Truth]) -> String {
-    let mut text = String::from("cause,column,parameter,value\n");
-    for t in truth {
-        let column = t.column.as_deref().unwrap_or_default();
-        for (name, value) in &t.parameters {
-            let _ = writeln!(text, "{},{column},{name},{value:?}", t.id);
-        }
-    }
-    text
+    let columns: [Column<(&Truth, &(String, f64))>; 4] = columns! {
+        "cause", "", |(it, _)| it.id;
+        "column", "", |(it, _)| it.column.clone();
+        "parameter", "", |(_, it)| it.0.clone();
+        "value", "", |(_, it)| it.1;
+    };
+    let rows = truth
+        .iter()
+        .flat_map(|it| it.parameters.iter().map(move |value| (it, value)));
+    Table::of(&columns, rows).csv()
 }

@@ -23,14 +23,13 @@ impl Learned {
         input::spared()?;
         let name = path.display().to_string();
         let file = PolicyFile::load(path)?;
-        let settings = file.settings(&name)?;
-        let held = file.held(&settings);
+        let held = file.held();
         let held = held.ok_or_else(|| CliError::content(&name, "no seed learnt anything"))?;
-        let table = settings.table(&held.values);
+        let table = file.settings.table(&held.values);
         Ok(Learned {
             seed: held.seed,
             table: table.map_err(|error| CliError::content(&name, error))?,
-            settings,
+            settings: file.settings,
         })
     }
 

@@ -51,6 +51,8 @@ learn --algorithm bayes -> study few_strides 30 60
 learn --algorithm cma-es -> study few_strides 30 60
 learn --algorithm hill-climbing -> study hill_climbing 30 500
 learn --tilings -> study seen_states 30 500
+learn --animate -> now saltus run policy FILE.json --animate FILE.html
+learn --shown -> gone `saltus learn --episodes 4` stops there: its policy can be run
 learn --replacing -> study seen_states 30 500
 parkour -> study parkour INSTANCES.json
 export optimal -> study optimal 3 1.6 0.9 100

@@ -10,6 +10,7 @@ mod unit;
 use std::path::Path;
 
 use clap::ValueEnum;
+use serde_json::Value;
 
 pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
 pub(crate) use number::{digits, full};
@@ -49,7 +50,16 @@ impl Format {
     }
 }
 
+/// One object with the entries of all.
+pub(crate) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
+    let maps = parts.into_iter().filter_map(|part| match part {
+        Value::Object(map) => Some(map),
+        _ => None,
+    });
+    Value::Object(maps.flatten().collect())
+}
+
 /// A JSON document as it is written.
-pub(crate) fn json(document: &serde_json::Value) -> String {
+pub(crate) fn json(document: &Value) -> String {
     format!("{document:#}\n")
 }

@@ -129,15 +129,6 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table without rows; the names of the columns end with their units.
-    pub(crate) fn new(columns: &[&'static str]) -> Table {
-        Table {
-            columns: columns.to_vec(),
-            titles: vec![""; columns.len()],
-            rows: Vec::new(),
-        }
-    }
-
     /// The table of `rows`.
     pub(crate) fn of<R>(columns: &[Column<R>], rows: impl IntoIterator<Item = R>) -> Table {
         let row = |row: R| columns.iter().map(|(.., cell)| cell(&row)).collect();
@@ -160,12 +151,6 @@ impl Table {
             row.extend(cells);
         }
         self
-    }
-
-    /// Adds a row with one cell for each column.
-    pub(crate) fn push(&mut self, row: Vec<Cell>) {
-        debug_assert_eq!(row.len(), self.columns.len());
-        self.rows.push(row);
     }
 
     /// Header and rows, numbers with 17 significant digits; lines end with a line feed.

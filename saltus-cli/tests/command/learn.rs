@@ -54,10 +54,11 @@ fn settings_of_ones_own_are_resumed_without_loss() {
         ),
     ] {
         let part = format!("{name}.json");
+        let task = how.split(' ').next().unwrap();
         folder.done(&format!("learn {how} --episodes 9 --out whole.json"), 0);
         folder.done(&format!("learn {how} --episodes {few} --out {part}"), 0);
         folder.done(
-            &format!("learn {how} --episodes 9 --resume {part} --out {part}"),
+            &format!("learn {task} --episodes 9 --resume {part} --out {part}"),
             0,
         );
         assert_eq!(folder.read("whole.json"), folder.read(&part), "{name}");
@@ -120,15 +121,6 @@ fn what_was_learnt_runs_again() {
         0,
     );
     assert!(heavier.contains("rats-run: run-stride by q"), "{heavier}");
-}
-
-#[test]
-fn episodes_are_played_side_by_side() {
-    let folder = Folder::new("learn-page");
-    folder.done(&format!("{QUICK} --animate page.html --shown 1,3"), 0);
-    let page = folder.read("page.html");
-    assert_eq!(page.matches("<iframe").count(), 2);
-    assert!(page.contains("after 1 episode:") && page.contains("after 3 episodes"));
 }
 
 #[test]
@@ -230,7 +222,6 @@ const REFUSED: &[(&str, &str)] = &[
         "learn run-zone --state wheel_rate=0:1:60000 --state wheel_angle=0:1:60000",
         "at most",
     ),
-    ("learn run-zone --shown 1", "--animate"),
     ("run policy none.json", "none.json"),
     ("run policy short.json", "short.json: JSON"),
     ("run policy changed.json", "damaged or changed"),
@@ -255,25 +246,19 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     ("learn run-zone --resume none.json", "none.json"),
     ("learn run-zone --resume empty.json", "policy: is missing"),
-    (
-        "learn run-zone --seeds 3 --resume short.json",
-        "short.json: JSON",
-    ),
-    (
-        "learn run-zone --seeds 3 --resume changed.json",
-        "damaged or changed",
-    ),
+    ("learn run-zone --resume short.json", "short.json: JSON"),
+    ("learn run-zone --resume changed.json", "damaged or changed"),
     (
         "learn run-zone --seeds 4 --resume policy.json",
-        "seeds = 3: must be 4",
+        "--seeds <COUNT>",
     ),
     (
-        "learn run-zone --seeds 3 --seed 2 --resume policy.json",
-        "seed = 1: must be 2",
+        "learn run-zone --seed 2 --resume policy.json",
+        "--seed <SEED>",
     ),
     (
-        "learn run-zone --seeds 3 --alpha 0.5 --resume policy.json",
-        "alpha = 0.8: must be 0.5",
+        "learn run-zone --alpha 0.5 --resume policy.json",
+        "--alpha <NUMBER>",
     ),
     (
         "learn run-legs --resume policy.json",
@@ -289,12 +274,8 @@ const REFUSED: &[(&str, &str)] = &[
         "which has no traces",
     ),
     (
-        "learn run-zone --episodes 3 --animate a.html --shown 1,4",
-        "at most 3",
-    ),
-    (
-        "learn run-zone --seeds 3 --set body.mass_kg=3 --resume policy.json",
-        "mass_kg = 2.75: must be mass_kg = 3",
+        "learn run-zone --set body.mass_kg=3 --resume policy.json",
+        "--set",
     ),
 ];
 

@@ -50,17 +50,15 @@ pub enum PolicyError {
         /// That of its contents.
         made: String,
     },
-    /// It was learnt otherwise.
-    #[error("{file}: {key} = {theirs}: must be {ours}, as asked for")]
-    Other {
+    /// Another version wrote it.
+    #[error("{file}: saltus_version = {theirs}: must be {ours}, the version here")]
+    Version {
         /// The file.
         file: String,
-        /// What differs.
-        key: String,
-        /// Its value in the file.
+        /// Its version.
         theirs: String,
-        /// That of the command.
-        ours: String,
+        /// That of this library.
+        ours: &'static str,
     },
 }
 
@@ -89,10 +87,10 @@ pub struct Held {
 }
 
 /// A file of what was learnt.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PolicyFile {
-    /// The settings.
-    head: Map<String, Value>,
+    /// How it was learnt.
+    pub settings: Settings,
     /// What each seed learnt.
     pub tables: Vec<Held>,
 }
@@ -146,7 +144,7 @@ impl PolicyFile {
             score: pupil.score,
         });
         PolicyFile {
-            head: settings.head(),
+            settings: settings.clone(),
             tables: tables.collect(),
         }
     }
@@ -154,7 +152,7 @@ impl PolicyFile {
     /// The document, with its checksum. Values of 0 are left out.
     pub fn json(&self) -> Value {
         let tables: Vec<Value> = self.tables.iter().map(table_json).collect();
-        let mut document = self.head.clone();
+        let mut document = self.settings.head();
         document.insert("tables".into(), Value::Array(tables));
         let sum = checksum(&document);
         document.insert("checksum".into(), json!(sum));
@@ -204,25 +202,35 @@ impl PolicyFile {
         let tables = tables.into_iter().enumerate().map(one);
         Ok(PolicyFile {
             tables: tables.collect::<Result<_, _>>()?,
-            head: document,
+            settings: Settings::parse(document, file)?,
         })
     }
 
-    /// The settings under which it was learnt.
-    ///
-    /// # Errors
-    /// [`PolicyError::Content`] for what is missing or is not what this version writes; `file` is its name.
-    pub fn settings(&self, file: &str) -> Result<Settings, PolicyError> {
+    /// What the seed that did best learnt.
+    pub fn held(&self) -> Option<&Held> {
+        let figure = |held: &Held| self.settings.figure(&held.score.outcome);
+        let better = |best, held| {
+            if figure(held) > figure(best) {
+                held
+            } else {
+                best
+            }
+        };
+        self.tables.iter().reduce(better)
+    }
+}
+
+impl Settings {
+    /// The settings that stand in the `head` of a file; messages call it `file`.
+    fn parse(mut head: Map<String, Value>, file: &str) -> Result<Settings, PolicyError> {
         let wrong = PolicyError::content(file);
-        let mut head = self.head.clone();
         let version: String = take!(head, "saltus_version", wrong);
         let ours = env!("CARGO_PKG_VERSION");
         if version != ours {
-            return Err(PolicyError::Other {
+            return Err(PolicyError::Version {
                 file: file.into(),
-                key: "saltus_version".into(),
                 theirs: version,
-                ours: ours.into(),
+                ours,
             });
         }
         let unknown = |key: &str, name: &str| wrong(key, format!("there is no {name:?}"));
@@ -268,72 +276,6 @@ impl PolicyFile {
         settings.plant.draw = draws.then(|| Draw::around(&settings.plant.robot));
         Ok(settings)
     }
-
-    /// What the seed that did best learnt.
-    pub fn held(&self, settings: &Settings) -> Option<&Held> {
-        let figure = |held: &Held| settings.figure(&held.score.outcome);
-        let better = |best, held| {
-            if figure(held) > figure(best) {
-                held
-            } else {
-                best
-            }
-        };
-        self.tables.iter().reduce(better)
-    }
-
-    /// Whether it was learnt under `settings`, from `seed` on, by so many `seeds`; only the number of episodes may differ.
-    ///
-    /// # Errors
-    /// [`PolicyError::Other`] for what differs; `file` is its name.
-    pub fn is_of(
-        &self,
-        settings: &Settings,
-        (seed, seeds): (u64, usize),
-        file: &str,
-    ) -> Result<(), PolicyError> {
-        let other = |key: &str, theirs: String, ours: String| PolicyError::Other {
-            file: file.into(),
-            key: key.into(),
-            theirs: input::cut(&theirs),
-            ours: input::cut(&ours),
-        };
-        for (key, ours) in settings.head() {
-            let theirs = self.head.get(&key).unwrap_or(&Value::Null);
-            if *theirs != ours {
-                let [theirs, ours] = first_difference(theirs, &ours);
-                return Err(other(&key, theirs, ours));
-            }
-        }
-        let count = self.tables.len();
-        if count != seeds {
-            return Err(other("seeds", count.to_string(), seeds.to_string()));
-        }
-        match self.tables.first() {
-            Some(first) if first.seed != seed => {
-                Err(other("seed", first.seed.to_string(), seed.to_string()))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// The first line of a text, or the first item of a list, in which two values differ; or the values.
-fn first_difference(theirs: &Value, ours: &Value) -> [String; 2] {
-    let parts = |value: &Value| match value {
-        Value::String(text) => text.lines().map(str::to_owned).collect(),
-        Value::Array(items) => items.iter().map(Value::to_string).collect(),
-        other => vec![other.to_string()],
-    };
-    let (theirs, ours): (Vec<String>, Vec<String>) = (parts(theirs), parts(ours));
-    let none = || "nothing".to_owned();
-    let differs = (0..theirs.len().max(ours.len())).find(|k| theirs.get(*k) != ours.get(*k));
-    let at = |parts: &[String]| {
-        differs
-            .and_then(|k| parts.get(k).cloned())
-            .unwrap_or_else(none)
-    };
-    [at(&theirs), at(&ours)]
 }
 
 /// A name in a file, and what it makes of a number.

@@ -87,7 +87,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             robots: 100,
             seed: HELD_OUT,
         };
-        let all = ensemble.run(available(), &|| ())?;
+        let all: Result<Vec<Summary>, _> = ensemble.run(available(), &|| ()).into_iter().collect();
+        let all = all?;
         let runs = all.iter().filter(|s| s.last_speed > 1.5).count();
         let median = |values: Vec<f64>| {
             let mut values = values;

@@ -1,7 +1,5 @@
 //! What was found, in words and in numbers.
 
-use std::fmt::Write;
-
 use saltus::diagnosis::{
     Alone, Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Unknown,
     residuals,
@@ -15,7 +13,7 @@ use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, interval, misstated};
-use crate::output::{cells, digits, split, unit, with_unit};
+use crate::output::{Column, Table, cells, columns, digits, joined, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
@@ -690,89 +688,74 @@ impl<'a> Report<'a> {
     }
 
     fn entry(&self, candidate: &Candidate) -> Map<String, Value> {
-        let mut entry = Map::new();
         let cause = &self.found.kind.causes()[candidate.cause];
-        entry.insert("id".into(), json!(cause.id));
-        if let Some(column) = &cause.column {
-            entry.insert("column".into(), json!(column));
-        }
-        let (mut values, mut errors, mut intervals) = (Map::new(), Map::new(), Map::new());
-        for Reported {
-            name,
-            value,
-            error,
-            interval,
-            ..
-        } in &candidate.reported
-        {
-            values.insert(name.clone(), json!(value));
-            errors.insert(name.clone(), json!(error));
-            intervals.extend(interval.map(|i| (name.clone(), json!([i.low, i.high]))));
-        }
-        entry.insert("parameters".into(), Value::Object(values));
-        entry.insert("standard_errors".into(), Value::Object(errors));
-        let slip =
-            |(k, r): (usize, &Reported)| Some((r.name.clone(), json!(self.slip(candidate, k)?)));
-        let slips: Map<String, Value> = candidate
-            .reported
-            .iter()
-            .enumerate()
-            .filter_map(slip)
-            .collect();
-        entry.insert("slips".into(), Value::Object(slips));
-        let disagree = candidate.reported.iter().filter(|r| r.runs_disagree);
+        let reported = || candidate.reported.iter();
+        let named = |of: &dyn Fn(usize, &Reported) -> Option<Value>| -> Map<String, Value> {
+            let of = |(k, r)| Some((Reported::clone(r).name, of(k, r)?));
+            reported().enumerate().filter_map(of).collect()
+        };
+        let disagree = reported().filter(|r| r.runs_disagree);
         let disagree: Vec<&String> = disagree.map(|r| &r.name).collect();
-        if !disagree.is_empty() {
-            entry.insert("runs_disagree".into(), json!(disagree));
-        }
-        if !intervals.is_empty() {
-            entry.insert("intervals_95".into(), Value::Object(intervals));
-        }
-        entry.insert("loss_falls_by".into(), json!(candidate.gain));
-        entry
+        let intervals = named(&|_, r| r.interval.map(|i| json!([i.low, i.high])));
+        let entries = [
+            ("id", Some(json!(cause.id))),
+            ("column", cause.column.as_ref().map(|column| json!(column))),
+            (
+                "parameters",
+                Some(named(&|_, r| Some(json!(r.value))).into()),
+            ),
+            (
+                "standard_errors",
+                Some(named(&|_, r| Some(json!(r.error))).into()),
+            ),
+            (
+                "slips",
+                Some(named(&|k, _| Some(json!(self.slip(candidate, k)?))).into()),
+            ),
+            (
+                "runs_disagree",
+                (!disagree.is_empty()).then(|| json!(disagree)),
+            ),
+            (
+                "intervals_95",
+                (!intervals.is_empty()).then(|| intervals.into()),
+            ),
+            ("loss_falls_by", Some(json!(candidate.gain))),
+        ];
+        let present = entries.into_iter();
+        present
+            .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+            .collect()
     }
 
     fn tried_entry(&self, candidate: &Candidate) -> Map<String, Value> {
         let mut entry = self.entry(candidate);
         entry.remove("standard_errors");
-        let values = candidate.values.iter();
-        let values: Map<String, Value> = values.map(|(n, x)| (n.clone(), json!(x))).collect();
-        entry.insert("parameters".into(), Value::Object(values));
+        let values = candidate.values.iter().cloned();
+        entry.insert("parameters".into(), values.collect());
         entry
     }
 
     fn finding_entry(&self, finding: &Finding) -> Value {
-        let mut entry = self.entry(&finding.best);
-        let mut rivals: Vec<&str> = finding.rivals.iter().map(|r| r.id).collect();
+        let ids = |all: &[Candidate]| all.iter().map(|it| it.id).collect::<Vec<_>>();
+        let mut rivals = ids(&finding.rivals);
         rivals.extend(finding.unlisted.as_ref().map(|_| "unknown"));
-        entry.insert("rivals".into(), json!(rivals));
-        let others: Vec<&str> = finding.less_likely.iter().map(|r| r.id).collect();
-        entry.insert("less_likely".into(), json!(others));
-        let term = finding
-            .unlisted
-            .as_ref()
-            .map(|t| term_json(self.found.kind.as_ref(), t));
-        entry.insert("unlisted".into(), json!(term));
-        entry.insert("held_out_loss_falls_by".into(), json!(finding.held_out));
-        entry.insert("undetermined".into(), json!(finding.undetermined));
-        entry.insert("identifiable".into(), json!(finding.is_identifiable));
-        let candidates: Vec<Value> = finding
-            .rivals
-            .iter()
-            .map(|r| Value::Object(self.entry(r)))
-            .collect();
-        entry.insert("candidates".into(), json!(candidates));
-        let contradicting = known::json(&finding.contradicting);
-        entry.insert("contradicting".into(), json!(contradicting));
-        Value::Object(entry)
+        let kind = self.found.kind.as_ref();
+        let candidates = finding.rivals.iter().map(|r| self.entry(r));
+        let more = json!({
+            "rivals": rivals,
+            "less_likely": ids(&finding.less_likely),
+            "unlisted": finding.unlisted.as_ref().map(|term| term_json(kind, term)),
+            "held_out_loss_falls_by": finding.held_out,
+            "undetermined": finding.undetermined,
+            "identifiable": finding.is_identifiable,
+            "candidates": candidates.collect::<Vec<_>>(),
+            "contradicting": known::json(&finding.contradicting),
+        });
+        joined([self.entry(&finding.best).into(), more])
     }
 
     fn residual_entry(&self, residual: &PhaseResidual) -> Value {
-        let conditions: Map<String, Value> = residual
-            .conditions
-            .iter()
-            .map(|(name, c)| (name.clone(), json!(c)))
-            .collect();
         json!({
             "channel": self.found.kind.channels()[residual.channel].name,
             "phase": self.phase(residual),
@@ -782,7 +765,7 @@ impl<'a> Report<'a> {
             "mean_sigma": residual.mean,
             "rms_sigma": residual.rms,
             "lag_1_correlation": residual.lag,
-            "correlation_with": conditions,
+            "correlation_with": residual.conditions.iter().cloned().collect::<Value>(),
             "p_level": residual.level,
             "p_whiteness": residual.whiteness,
             "p_runs": residual.runs,
@@ -860,21 +843,19 @@ impl<'a> Report<'a> {
     /// The best cause alone, and what it leaves of each channel.
     fn alone_entry(&self, alone: &Alone) -> Value {
         let names = self.found.kind.channels().iter().map(|c| c.name.clone());
-        let rms: Map<String, Value> = names.zip(alone.rms.iter().map(|x| json!(x))).collect();
+        let rms: Value = names.zip(alone.rms.iter().copied()).collect();
         json!({ "id": alone.cause.id, "column": alone.cause.column, "held_out_rms": rms })
     }
 
     /// Before and after, channel by channel.
     pub(super) fn csv(&self) -> String {
-        let mut out = String::from("channel,rms_before,rms_after,noise\n");
-        for g in &self.found.diagnosis.gains {
-            let _ = writeln!(
-                out,
-                "{},{:e},{:e},{:e}",
-                g.channel, g.rms.0, g.rms.1, g.noise
-            );
-        }
-        out
+        let columns: [Column<&Gain>; 4] = columns! {
+            "channel", "", |it| it.channel.clone();
+            "rms_before", "", |it| it.rms.0;
+            "rms_after", "", |it| it.rms.1;
+            "noise", "", |it| it.noise;
+        };
+        Table::of(&columns, &self.found.diagnosis.gains).csv()
     }
 }
 
@@ -958,10 +939,9 @@ fn left_json(left: &Unknown) -> Value {
 }
 
 fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
-    let numbers: Map<String, Value> = term
-        .reported
-        .iter()
-        .map(|r| (r.name.clone(), json!([r.value, r.error])))
+    let numbers = term.reported.iter();
+    let numbers: Value = numbers
+        .map(|r| (r.name.clone(), vec![r.value, r.error]))
         .collect();
     json!({"term": kind.causes()[term.cause].id, "value_and_standard_error": numbers})
 }

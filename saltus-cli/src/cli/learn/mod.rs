@@ -1,9 +1,8 @@
 //! `saltus learn`: tables of values that learn to run.
 
-mod page;
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
@@ -14,12 +13,13 @@ use saltus::learning::{Learnt, PolicyFile, Settings, Task, learn};
 
 use self::report::Report;
 use super::Status;
-use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, page_file, seed};
+use super::common::{OutputFlags, PlotOption, RobotFlags, Threads, seed};
 use super::disturb::{self, Typed};
+use super::recorded::Beside;
 use crate::error::CliError;
 use crate::input;
 use crate::interrupt::Interrupt;
-use crate::output::{Files, Format, reachable};
+use crate::output::{Files, Format};
 use crate::progress::Progress;
 
 /// Let a robot learn to run: valves as in chapter 6 of the thesis, or firing angles
@@ -74,13 +74,13 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: Option<u32>,
 
-    /// Seeds, each of which learns alone [default: 30]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    seeds: Option<u32>,
+    /// Seeds, each of which learns alone
+    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    seeds: u32,
 
-    /// The first seed [default: 1]
-    #[arg(long, value_name = "SEED", value_parser = seed)]
-    seed: Option<u64>,
+    /// The first seed
+    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
+    seed: u64,
 
     /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
     #[arg(long)]
@@ -90,8 +90,8 @@ pub(crate) struct Learn {
     #[arg(long, value_name = "WHAT=VALUE@FROM:TO", value_parser = disturb::disturb, allow_hyphen_values = true)]
     disturb: Vec<Typed>,
 
-    /// Go on from this file, which `saltus learn --out` wrote as JSON, with its settings and its robot, to more --episodes
-    #[arg(long, value_name = "FILE.json")]
+    /// Go on from this file, which `saltus learn --out` wrote as JSON, with its settings, seeds and robot, to more --episodes
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = SETTINGS)]
     resume: Option<PathBuf>,
 
     #[command(flatten)]
@@ -103,25 +103,35 @@ pub(crate) struct Learn {
     #[command(flatten)]
     plot: PlotOption,
 
-    /// Write a page that plays what the best seed had learnt after some episodes, side by side, without exploration
-    #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
-    animate: Option<PathBuf>,
-
-    /// After which episodes, for --animate [default: 1, 4, 11 and all]
-    #[arg(long, value_name = "COUNTS", value_delimiter = ',', requires = "animate", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    shown: Vec<u32>,
-
     #[command(flatten)]
     output: OutputFlags,
 }
+
+/// Flags of what a file to go on from says itself.
+const SETTINGS: [&str; 15] = [
+    "algorithm",
+    "alpha",
+    "gamma",
+    "lambda",
+    "epsilon",
+    "decay",
+    "reward",
+    "state",
+    "steps",
+    "seeds",
+    "seed",
+    "draw",
+    "disturb",
+    "robot",
+    "overrides",
+];
 
 const LONG_HELP: &str = "\
 Examples:
   saltus learn run-zone --algorithm sarsa-lambda --episodes 40 --seeds 30 --out policy.json --plot curve.svg
   saltus learn run-legs --algorithm q --alpha 0.3 --gamma 1
   saltus learn run-legs --reward rate=1 --set leg.valve_delay_ms=0
-  saltus learn run-stride --algorithm sarsa --animate stride.html
-  saltus learn run-zone --animate zone.html --shown 1,4,11
+  saltus learn run-stride --algorithm sarsa --out stride.json && saltus run policy stride.json --animate stride.html
   saltus learn run-legs --state pivot_angle=-0.1:0.1:4 --state wheel_rate=-10:21:20
   saltus learn run-zone --resume policy.json --episodes 80 --out policy.json
 
@@ -215,69 +225,25 @@ fn term(text: &str) -> Result<(Term, f64), String> {
     Ok((Term::written(name).ok_or_else(wanted)?, by))
 }
 
-/// What is gone on from.
-struct Before {
-    policy: PolicyFile,
-    settings: Settings,
-    /// The file.
-    name: String,
-}
-
-impl Before {
-    /// Its settings, if they are of `task`.
-    fn settings(&self, task: Task) -> Result<Settings, CliError> {
-        let theirs = self.settings.task;
-        if theirs == task {
-            return Ok(self.settings.clone());
-        }
-        let allowed = format!("{}, which {} was learnt in", theirs.name(), self.name);
-        Err(CliError::flag("TASK", task.name(), allowed))
-    }
-
-    /// The first seed, and how many there are.
-    fn seeds(&self) -> (u64, usize) {
-        let tables = &self.policy.tables;
-        (tables.first().map_or(1, |held| held.seed), tables.len())
-    }
-
-    /// Refuses settings other than those of the file, and no more episodes than it has.
-    fn goes_on(&self, settings: &Settings, seeds: (u64, usize)) -> Result<(), CliError> {
-        self.policy.is_of(settings, seeds, &self.name)?;
-        let done = self.policy.tables.iter().map(|held| held.curve.len());
-        let (done, asked) = (done.min().unwrap_or(0), settings.schedule.episodes);
-        if asked > done {
-            return Ok(());
-        }
-        let allowed = format!("above {done}, the episodes in {}", self.name);
-        Err(CliError::flag("--episodes", asked, allowed))
-    }
-}
-
 impl Learn {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.check()?;
         self.output.ready(&self.plot)?;
-        reachable("--animate", self.animate.as_deref())?;
         let before = self.before()?;
         let settings = self.settings(before.as_ref())?;
-        let seeds = self.seeds(before.as_ref());
-        if let Some(before) = &before {
-            before.goes_on(&settings, seeds)?;
-        }
+        let seeds = before
+            .as_ref()
+            .map_or((self.seed, self.seeds as usize), |file| {
+                (
+                    file.tables.first().map_or(1, |held| held.seed),
+                    file.tables.len(),
+                )
+            });
         let mut files = Files::default();
         files.extend(self.output.out().map(|out| ("--out", out)));
-        files.extend(self.animate.as_deref().map(|page| ("--animate", page)));
         files.check()?;
-        if self.animate.is_some() {
-            let all = settings.schedule.episodes;
-            if let Some(count) = self.shown.iter().find(|count| **count as usize > all) {
-                let allowed = format!("at most {all}, the episodes");
-                return Err(CliError::flag("--shown", count, allowed));
-            }
-        }
         let interrupt = Interrupt::listen()?;
-        let policy = before.as_ref().map(|before| &before.policy);
-        let learnt = self.learn(&settings, seeds, policy, &interrupt)?;
+        let learnt = self.learn(&settings, seeds, before.as_ref(), &interrupt)?;
         let report = Report {
             settings: &settings,
             learnt: &learnt,
@@ -288,12 +254,12 @@ impl Learn {
             Format::Csv => report.table().csv(),
             Format::Text => report.text(),
         };
-        let page = match &self.animate {
-            Some(path) => Some(("--animate", path.as_path(), self.page(&settings, &learnt)?)),
-            None => None,
-        };
-        self.output
-            .write_with(text, &self.plot, || Ok(report.drawing()), page)?;
+        self.output.write_with(
+            text,
+            &self.plot,
+            || Ok(report.drawing()),
+            None::<Beside<'_>>,
+        )?;
         Ok(if report.interrupted {
             Status::Interrupted
         } else {
@@ -301,28 +267,17 @@ impl Learn {
         })
     }
 
-    /// The first seed, and how many there are.
-    fn seeds(&self, before: Option<&Before>) -> (u64, usize) {
-        let (first, count) = before.map_or((1, 30), Before::seeds);
-        let count = self.seeds.map_or(count, |count| count as usize);
-        (self.seed.unwrap_or(first), count)
-    }
-
-    /// The settings of the task, or of what is gone on from, with what the flags change.
-    fn settings(&self, before: Option<&Before>) -> Result<Settings, CliError> {
-        let task = self.task;
-        let robot = || self.robot.robot_or("rats-run");
-        let mut settings = if let Some(before) = before {
-            let mut settings = before.settings(task)?;
-            settings.algorithm = self.algorithm.unwrap_or(settings.algorithm);
-            if self.robot.are_given() {
-                settings.plant.robot = robot()?;
-            }
-            settings
-        } else {
-            let algorithm = self.algorithm.unwrap_or(task.algorithm());
-            task.settings(robot()?, algorithm)
-        };
+    /// The settings of the task with what the flags change, or those of what is gone on from.
+    fn settings(&self, before: Option<&PolicyFile>) -> Result<Settings, CliError> {
+        if let Some(before) = before {
+            let mut settings = before.settings.clone();
+            self.goes_on(before, &mut settings)?;
+            return Ok(settings);
+        }
+        let algorithm = self.algorithm.unwrap_or(self.task.algorithm());
+        let mut settings = self
+            .task
+            .settings(self.robot.robot_or("rats-run")?, algorithm);
         if self.lambda.is_some() && !settings.algorithm.has_traces() {
             let name = settings.algorithm.name();
             let allowed = format!("left out with --algorithm {name}, which has no traces");
@@ -361,26 +316,6 @@ impl Learn {
         Ok(settings)
     }
 
-    /// What the best seed had learnt after some episodes.
-    fn page(&self, settings: &Settings, learnt: &Learnt) -> Result<String, CliError> {
-        let Some(best) = learnt.best(settings) else {
-            return Ok(String::new());
-        };
-        let done = best.curve.len();
-        let mut shown: Vec<usize> = if self.shown.is_empty() {
-            vec![1, 4, 11, done]
-        } else {
-            self.shown.iter().map(|count| *count as usize).collect()
-        };
-        if self.shown.is_empty() {
-            shown.retain(|count| *count <= done);
-        }
-        shown.sort_unstable();
-        shown.dedup();
-        page::html(settings, best, &shown)
-            .map_err(|error| CliError::content(&settings.plant.robot.name, error))
-    }
-
     /// The states of a table.
     fn bins(&self, settings: &Settings) -> Result<Bins, CliError> {
         let robot = &settings.plant.robot.name;
@@ -401,7 +336,7 @@ impl Learn {
     }
 
     /// What is gone on from.
-    fn before(&self) -> Result<Option<Before>, CliError> {
+    fn before(&self) -> Result<Option<PolicyFile>, CliError> {
         let Some(path) = &self.resume else {
             return Ok(None);
         };
@@ -410,14 +345,26 @@ impl Learn {
             input::note(path);
             input::spared()?;
         }
-        let name = path.display().to_string();
-        let policy = PolicyFile::load(path)?;
-        let settings = policy.settings(&name)?;
-        Ok(Some(Before {
-            policy,
-            settings,
-            name,
-        }))
+        Ok(Some(PolicyFile::load(path)?))
+    }
+
+    /// Gives `settings` the episodes asked for, of which there are more than in `before`.
+    fn goes_on(&self, before: &PolicyFile, settings: &mut Settings) -> Result<(), CliError> {
+        let file = self.resume.as_deref().unwrap_or(Path::new("")).display();
+        let (theirs, ours) = (settings.task.name(), self.task.name());
+        if theirs != ours {
+            let allowed = format!("{theirs}, which {file} was learnt in");
+            return Err(CliError::flag("TASK", ours, allowed));
+        }
+        let done = before.tables.iter().map(|held| held.curve.len());
+        let done = done.min().unwrap_or(0);
+        let episodes = &mut settings.schedule.episodes;
+        *episodes = self.episodes.map_or(*episodes, |count| count as usize);
+        if *episodes > done {
+            return Ok(());
+        }
+        let allowed = format!("above {done}, the episodes in {file}");
+        Err(CliError::flag("--episodes", *episodes, allowed))
     }
 
     fn learn(

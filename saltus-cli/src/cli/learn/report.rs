@@ -7,25 +7,28 @@ use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, inte
 use saltus::running::Share;
 use serde_json::{Value, json};
 
-use crate::output::{self, Cell, Table, digits};
+use crate::output::{self, Column, Table, columns, digits};
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::BLUE;
 use crate::plot::sheet::{Panel, Sheet};
 
-const COLUMNS: &[&str] = &[
-    "seed",
-    "episodes",
-    "reward",
-    "angle_rad",
-    "travel_m",
-    "arrived_s",
-    "time_s",
-    "firings",
-    "gas_kg",
-    "outside",
-    "broken",
-    "episodes_to_90_percent",
-];
+fn columns<'a>() -> [Column<(&'a Report<'a>, &'a Pupil)>; 12] {
+    columns! {
+        "seed", "", |(_, it)| usize::try_from(it.seed).unwrap_or(usize::MAX);
+        "episodes", "", |(_, it)| it.curve.len();
+        "reward", "", |(_, it)| it.score.total;
+        "angle_rad", "", |(_, it)| it.score.outcome.angle;
+        "travel_m", "", |(_, it)| it.score.outcome.travel;
+        "arrived_s", "", |(_, it)| it.score.outcome.arrived;
+        "time_s", "", |(_, it)| it.score.outcome.time;
+        "firings", "", |(_, it)| it.score.outcome.firings;
+        "gas_kg", "", |(_, it)| it.score.outcome.gas;
+        "outside", "", |(_, it)| outside(it);
+        "broken", "", |(_, it)| broken(it);
+        "episodes_to_90_percent", "", |(report, it)| report.until_learnt(it);
+    }
+}
+
 pub(super) struct Report<'a> {
     pub(super) settings: &'a Settings,
     pub(super) learnt: &'a Learnt,
@@ -68,27 +71,7 @@ impl Report<'_> {
     }
 
     pub(super) fn table(&self) -> Table {
-        let mut table = Table::new(COLUMNS);
-        for pupil in &self.learnt.pupils {
-            let outcome = &pupil.score.outcome;
-            let steps: usize = pupil.curve.iter().map(|score| score.steps).sum();
-            let outside: usize = pupil.curve.iter().map(|score| score.outside).sum();
-            table.push(vec![
-                Cell::Count(usize::try_from(pupil.seed).unwrap_or(usize::MAX)),
-                Cell::Count(pupil.curve.len()),
-                pupil.score.total.into(),
-                outcome.angle.into(),
-                outcome.travel.into(),
-                outcome.arrived.into(),
-                outcome.time.into(),
-                Cell::Count(outcome.firings),
-                outcome.gas.into(),
-                (outside as f64 / steps.max(1) as f64).into(),
-                Cell::Count(broken(pupil)),
-                self.until_learnt(pupil).map_or(Cell::Empty, Cell::Count),
-            ]);
-        }
-        table
+        Table::of(&columns(), self.learnt.pupils.iter().map(|it| (self, it)))
     }
 
     /// Of each episode the mean of the middle half over the seeds, with its interval.
@@ -285,6 +268,13 @@ impl Report<'_> {
             ..Sheet::default()
         }
     }
+}
+
+/// Share of the steps of learning in which a number was outside the states' ranges.
+fn outside(pupil: &Pupil) -> f64 {
+    let steps: usize = pupil.curve.iter().map(|score| score.steps).sum();
+    let outside: usize = pupil.curve.iter().map(|score| score.outside).sum();
+    outside as f64 / steps.max(1) as f64
 }
 
 /// Episodes of learning that ended because the motion could not be computed further.

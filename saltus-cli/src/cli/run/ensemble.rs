@@ -1,42 +1,67 @@
 //! Many drawn robots, each run.
 
+use saltus::Robot;
 use saltus::gait::{Draw, Ending, Ensemble, GaitError, Setup, Summary, drawn_robot};
-use saltus::running::{RUNS_FROM, Together, each};
+use saltus::running::{RUNS_FROM, Together};
 use serde_json::{Value, json};
 
 use super::InPlane;
-use super::report::{head, joined};
+use super::report::head;
 use crate::cli::Status;
 use crate::cli::refused::refused;
 use crate::error::CliError;
-use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
+use crate::output::{self, Column, Files, Format, Table, columns, digits, in_words, joined, share};
 use crate::progress::Progress;
 
-const COLUMNS: &[&str] = &[
-    "robot",
-    "coulomb_friction_n",
-    "spring_stiffness_n_per_m",
-    "spring_preload_n",
-    "supply_pressure_gauge_pa",
-    "friction_along",
-    "ending",
-    "stalled_since_s",
-    "stalled_at_m",
-    "travel_m",
-    "mean_speed_m_s",
-    "last_speed_m_s",
-    "top_speed_m_s",
-    "reached_3_2_m_s_s",
-    "speed_at_1_6_s_m_s",
-    "time_to_1_6_m_s",
-    "firings",
-    "touch_downs",
-    "other_contacts",
-    "gas_kg",
-    "drives_j",
-    "residual_j",
-    "error",
-];
+/// A drawn robot and what became of it.
+struct Ran<'a> {
+    number: usize,
+    robot: Robot,
+    run: &'a Result<Summary, GaitError>,
+    sign: f64,
+}
+
+impl Ran<'_> {
+    /// A number of its run, if it was simulated.
+    fn of<T>(&self, number: impl Fn(&Summary) -> T) -> Option<T> {
+        self.run.as_ref().ok().map(number)
+    }
+
+    fn stalled(&self, number: impl Fn(f64, f64) -> f64) -> Option<f64> {
+        match self.of(|run| run.ending)? {
+            Ending::Ran => None,
+            Ending::Stalled { since, at } => Some(number(since, at)),
+        }
+    }
+}
+
+fn columns<'a>() -> [Column<Ran<'a>>; 23] {
+    columns! {
+        "robot", "", |it| it.number;
+        "coulomb_friction_n", "", |it| it.robot.leg.coulomb_friction;
+        "spring_stiffness_n_per_m", "", |it| it.robot.leg.return_spring.map(|spring| spring.stiffness);
+        "spring_preload_n", "", |it| it.robot.leg.return_spring.map(|spring| spring.preload);
+        "supply_pressure_gauge_pa", "", |it| it.robot.leg.cylinder().map(|cylinder| cylinder.supply.0);
+        "friction_along", "", |it| it.robot.ground.static_friction;
+        "ending", "", |it| it.of(|run| if run.ending == Ending::Ran { "ran" } else { "stalled" });
+        "stalled_since_s", "", |it| it.stalled(|since, _| since.max(0.0));
+        "stalled_at_m", "", |it| it.stalled(|_, at| at);
+        "travel_m", "", |it| it.of(|run| run.travel);
+        "mean_speed_m_s", "", |it| it.of(|run| it.sign * run.mean_speed);
+        "last_speed_m_s", "", |it| it.of(|run| it.sign * run.last_speed);
+        "top_speed_m_s", "", |it| it.of(|run| run.top_speed);
+        "reached_3_2_m_s_s", "", |it| it.of(|run| run.reached_3_2);
+        "speed_at_1_6_s_m_s", "", |it| it.of(|run| run.speed_at_1_6);
+        "time_to_1_6_m_s", "", |it| it.of(|run| run.time_to_1_6_m);
+        "firings", "", |it| it.of(|run| run.firings);
+        "touch_downs", "", |it| it.of(|run| run.touch_downs);
+        "other_contacts", "", |it| it.of(|run| run.bump_count);
+        "gas_kg", "", |it| it.of(|run| run.gas);
+        "drives_j", "", |it| it.of(|run| run.ledger.drive);
+        "residual_j", "", |it| it.of(|run| -run.residual);
+        "error", "", |it| it.run.as_ref().err().map(GaitError::to_string);
+    }
+}
 
 /// The runs and where they come from.
 struct Many<'a> {
@@ -73,7 +98,7 @@ impl InPlane {
         saltus::gait::run(&first, &mut ())
             .map_err(|error| refused(error, &setup.robot, self.angles))?;
         let progress = Progress::new("robots", robots);
-        let runs = each(&ensemble, self.flags.threads.count().get(), &|| {
+        let runs = ensemble.run(self.flags.threads.count().get(), &|| {
             progress.advance(1);
         });
         drop(progress);
@@ -188,62 +213,18 @@ impl Many<'_> {
     }
 
     fn table(&self) -> Result<Table, CliError> {
-        let mut table = Table::new(COLUMNS);
-        for (k, run) in self.runs.iter().enumerate() {
-            table.push(self.row(k, run)?);
-        }
-        Ok(table)
-    }
-
-    fn row(&self, k: usize, run: &Result<Summary, GaitError>) -> Result<Vec<Cell>, CliError> {
         let around = &self.ensemble.setup.robot;
-        let robot = drawn_robot(around, &self.ensemble.draw, self.ensemble.seed, k)
-            .map_err(|error| refused(error, around, self.run.angles))?;
-        let spring = robot.leg.return_spring;
-        let supply = robot.leg.cylinder().map(|cylinder| cylinder.supply.0);
-        let mut row = vec![
-            Cell::Count(k),
-            robot.leg.coulomb_friction.into(),
-            spring.map(|spring| spring.stiffness).into(),
-            spring.map(|spring| spring.preload).into(),
-            supply.into(),
-            robot.ground.static_friction.into(),
-        ];
-        match run {
-            Ok(run) => row.extend(self.cells(run)),
-            Err(error) => {
-                row.resize(COLUMNS.len() - 1, Cell::Empty);
-                row.push(Cell::Text(error.to_string()));
-            }
-        }
-        Ok(row)
-    }
-
-    fn cells(&self, run: &Summary) -> Vec<Cell> {
-        let sign = self.sign();
-        let (ending, since, at) = match run.ending {
-            Ending::Ran => ("ran", None, None),
-            Ending::Stalled { since, at } => ("stalled", Some(since.max(0.0)), Some(at)),
+        let row = |(number, run)| {
+            let robot = drawn_robot(around, &self.ensemble.draw, self.ensemble.seed, number);
+            Ok(Ran {
+                number,
+                robot: robot.map_err(|error| refused(error, around, self.run.angles))?,
+                run,
+                sign: self.sign(),
+            })
         };
-        vec![
-            Cell::Word(ending),
-            since.into(),
-            at.into(),
-            run.travel.into(),
-            (sign * run.mean_speed).into(),
-            (sign * run.last_speed).into(),
-            run.top_speed.into(),
-            run.reached_3_2.into(),
-            run.speed_at_1_6.into(),
-            run.time_to_1_6_m.into(),
-            Cell::Count(run.firings),
-            Cell::Count(run.touch_downs),
-            Cell::Count(run.bump_count),
-            run.gas.into(),
-            run.ledger.drive.into(),
-            (-run.residual).into(),
-            Cell::Empty,
-        ]
+        let rows: Result<Vec<_>, CliError> = self.runs.iter().enumerate().map(row).collect();
+        Ok(Table::of(&columns(), rows?))
     }
 
     fn json(&self) -> Result<String, CliError> {

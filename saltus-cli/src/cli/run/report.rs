@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::InPlane;
 use super::follow::{Follower, OUT, OnTheWay};
-use crate::output::{self, digits};
+use crate::output::{self, digits, joined};
 
 /// A run and what it came to.
 pub(super) struct Report<'a> {
@@ -372,15 +372,6 @@ pub(super) fn head(setup: &Setup, run: &InPlane) -> Value {
         "seed": setup.seed,
         "disturbances": disturbed,
     })
-}
-
-/// One object with the entries of all.
-pub(super) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
-    let maps = parts.into_iter().filter_map(|part| match part {
-        Value::Object(map) => Some(map),
-        _ => None,
-    });
-    Value::Object(maps.flatten().collect())
 }
 
 /// The fixed step (s); null for error control.

@@ -12,27 +12,34 @@ use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
 use super::{InSpace, refused};
 use crate::cli::Status;
 use crate::error::CliError;
-use crate::output::{self, Cell, Files, Format, Table, digits, in_words, share};
+use crate::output::{self, Column, Files, Format, Table, columns, digits, in_words, share};
 use crate::progress::Progress;
 
 /// How soon (s) a robot that was thrown down should run again.
 const SOON: f64 = 10.0;
 
-const COLUMNS: &[&str] = &[
-    "robot",
-    "time_s",
-    "travel_m",
-    "most_aside_m",
-    "ending",
-    "fell_s",
-    "fell_roll_rad",
-    "firings",
-    "way_m",
-    "points_reached",
-    "set_out",
-    "rolled_a_turn_s",
-    "error",
-];
+fn columns<'a>() -> [Column<(usize, &'a Outcome)>; 13] {
+    columns! {
+        "robot", "", |it| it.0;
+        "time_s", "", |it| came(it, |came| came.rolled.time);
+        "travel_m", "", |it| came(it, |came| came.rolled.travel);
+        "most_aside_m", "", |it| came(it, |came| came.aside);
+        "ending", "", |it| came(it, Came::ending);
+        "fell_s", "", |it| came(it, |came| came.rolled.fell.map(|fell| fell.time));
+        "fell_roll_rad", "", |it| came(it, |came| came.rolled.fell.map(|fell| fell.roll));
+        "firings", "", |it| came(it, |came| came.rolled.firings);
+        "way_m", "", |it| came(it, |came| came.way);
+        "points_reached", "", |it| came(it, |came| came.led.reached);
+        "set_out", "", |it| came(it, |came| came.led.starts as usize);
+        "rolled_a_turn_s", "", |it| came(it, |came| came.again);
+        "error", "", |it| it.1.as_ref().err().map(ToString::to_string);
+    }
+}
+
+/// A number of a ball, if it was simulated.
+fn came<T>(it: &(usize, &Outcome), number: impl Fn(&Came) -> T) -> Option<T> {
+    it.1.as_ref().ok().map(number)
+}
 
 /// A share that is told: its key, and its name in words.
 struct Told {
@@ -182,32 +189,5 @@ fn told(aim: Aim, runs: &[Outcome]) -> [Told; 2] {
 }
 
 fn table(runs: &[Outcome]) -> Table {
-    let mut table = Table::new(COLUMNS);
-    for (k, run) in runs.iter().enumerate() {
-        let mut row = vec![Cell::Count(k)];
-        match run {
-            Ok(came) => {
-                row.extend([
-                    came.rolled.time.into(),
-                    came.rolled.travel.into(),
-                    came.aside.into(),
-                    Cell::Word(came.ending()),
-                    came.rolled.fell.map(|fell| fell.time).into(),
-                    came.rolled.fell.map(|fell| fell.roll).into(),
-                    Cell::Count(came.rolled.firings),
-                    came.way.into(),
-                    Cell::Count(came.led.reached),
-                    Cell::Count(came.led.starts as usize),
-                    came.again.into(),
-                    Cell::Empty,
-                ]);
-            }
-            Err(error) => {
-                row.resize(COLUMNS.len() - 1, Cell::Empty);
-                row.push(Cell::Text(error.to_string()));
-            }
-        }
-        table.push(row);
-    }
-    table
+    Table::of(&columns(), runs.iter().enumerate())
 }
