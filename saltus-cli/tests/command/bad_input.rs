@@ -36,12 +36,21 @@ fn folder(test: &str) -> Folder {
         "course2.toml",
         "approach_rate_rad_s = 5\ntarget_x_m = 0.9\n",
     );
-    folder.write("falling.csv", "omega_rad_s,alpha_f_rad\n5,0\n4,0\n");
+    let made = "landing_height_m,start_lean_rad,valve_open_s";
+    folder.write(
+        "falling.csv",
+        format!("omega_rad_s,alpha_f_rad,{made}\n5,0,0,0,0.1\n4,0,0,0,0.1\n"),
+    );
     folder.write(
         "two.csv",
-        "omega_rad_s,distance_m,alpha_f_rad\n5,0.6,0\n5,0.8,0.1\n",
+        format!(
+            "omega_rad_s,distance_m,alpha_f_rad,{made}\n5,0.6,0,0,0,0.1\n5,0.8,0.1,0,0.1,0.1\n"
+        ),
     );
-    folder.write("gaps.csv", "omega_rad_s,alpha_f_rad\n5,\n");
+    folder.write(
+        "gaps.csv",
+        format!("omega_rad_s,alpha_f_rad,{made}\n5,,0,,0.1\n"),
+    );
     std::fs::create_dir(folder.path("folder")).unwrap();
     folder
 }

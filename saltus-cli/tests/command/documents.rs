@@ -182,6 +182,11 @@ pub(crate) fn furnished(name: &str) -> Folder {
         spring.split("```").next().unwrap(),
     )
     .unwrap();
+    for step in steps(include_str!("../../../docs/commands/design.md")) {
+        if let Step::File { name, text } = step {
+            std::fs::write(folder.path(&name), text).unwrap();
+        }
+    }
     for logs in ["logs/monday", "logs/bench"] {
         let line = format!("inject viscous-friction=25 --kind bench --out {logs}");
         assert_eq!(

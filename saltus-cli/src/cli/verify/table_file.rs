@@ -30,8 +30,8 @@ const COLUMNS: [Column; 7] = [
     Column::new("alpha_f_rad", Quantity::ANGLE, Need::Column),
     Column::new("distance_m", Quantity::DISTANCE, Need::Nothing),
     Column::new("land_m", Quantity::LANDING, Need::Nothing),
-    Column::new("landing_height_m", Quantity::HEIGHT, Need::Nothing),
-    Column::new("start_lean_rad", Quantity::ANGLE, Need::Nothing),
+    Column::new("landing_height_m", Quantity::HEIGHT, Need::Column),
+    Column::new("start_lean_rad", Quantity::ANGLE, Need::Column),
     Column::new("valve_open_s", Quantity::TIME, Need::Nothing),
 ];
 
@@ -131,109 +131,48 @@ impl TableFile {
         })
     }
 
-    /// What the table was made for, which flags may say where the file does not.
+    /// What the table was made for, which no flag says again.
     fn terms(&self, flags: &SubjectFlags, robot: &Robot) -> Result<Terms, CliError> {
-        let height = self.value("landing_height_m", |row| row.landing_height)?;
-        let given = flags.terms.landing_height.map(|height| height.of(robot));
-        let height = self.one("--landing-height", "landing_height_m", height, given)?;
-        let lean = self.start_lean()?;
-        let given = flags.terms.start_lean;
-        let given = given.map(|lean| lean.fixed().unwrap_or(f64::NAN));
-        // Not a number stands for the firing angle, which is no one lean.
-        let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
-        let lean = match (lean, given) {
-            (Some(made), Some(given)) if !same(made, given) => {
-                return Err(self.contradicts("--start-lean", lean_word(given), &lean_word(made)));
-            }
-            (made, given) => made
-                .or(given)
-                .ok_or_else(|| self.missing("--start-lean", "start_lean_rad"))?,
-        };
-        let valve = self.value("valve_open_s", |row| row.valve_open)?;
-        let valve = if robot.leg.drive.has_valve() || valve.is_some() {
-            self.one(
-                "--valve-open",
-                "valve_open_s",
-                valve,
-                flags.terms.valve_open,
-            )?
-        } else {
-            flags.terms.valve_open.unwrap_or(VALVE_OPEN)
-        };
-        let start = if lean.is_nan() {
+        let given = [
+            ("--landing-height", flags.terms.landing_height.is_some()),
+            ("--start-lean", flags.terms.start_lean.is_some()),
+            ("--valve-open", flags.terms.valve_open.is_some()),
+        ];
+        if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+            let allowed = format!("left out: {} says what it was made for", self.file);
+            return Err(CliError::flag(flag, "", allowed));
+        }
+        let is_at_firing = |row: &Row| row.start_lean == Some(row.angle);
+        let start = if self.rows.iter().all(is_at_firing) {
             StartLean::Firing
         } else {
-            StartLean::At(lean)
+            StartLean::At(self.value("start_lean_rad", |row| row.start_lean)?)
+        };
+        let height = self.value("landing_height_m", |row| row.landing_height)?;
+        let valve = if robot.leg.drive.has_valve() {
+            self.value("valve_open_s", |row| row.valve_open)?
+        } else {
+            VALVE_OPEN
         };
         Ok(Terms::new(robot, LandingHeight::At(height), valve, start))
     }
 
-    /// The value of the file or of the flag, which have to agree.
-    fn one(
-        &self,
-        flag: &'static str,
-        column: &'static str,
-        made: Option<f64>,
-        given: Option<f64>,
-    ) -> Result<f64, CliError> {
-        match (made, given) {
-            (Some(made), Some(given)) if (made - given).abs() > 1e-12 * made.abs() => {
-                Err(self.contradicts(flag, given.to_string(), &made.to_string()))
-            }
-            (Some(value), _) | (None, Some(value)) => Ok(value),
-            (None, None) => Err(self.missing(flag, column)),
-        }
-    }
-
-    fn contradicts(&self, flag: &'static str, given: String, made: &str) -> CliError {
-        CliError::flag(
-            flag,
-            given,
-            format!("left out, or {made}: {} was made for it", self.file),
-        )
-    }
-
-    fn missing(&self, flag: &'static str, column: &'static str) -> CliError {
-        let reason = format!(
-            "no column {column}, so the file does not say what it was made for (tables of older \
-             versions do not): say it with {flag}"
-        );
-        CliError::content(format!("{}:1", self.file), reason)
-    }
-
-    /// The one value that all rows have in a column; none where they have none.
-    fn value(
-        &self,
-        key: &'static str,
-        of: fn(&Row) -> Option<f64>,
-    ) -> Result<Option<f64>, CliError> {
+    /// The one value that all rows have in a column.
+    fn value(&self, key: &'static str, of: fn(&Row) -> Option<f64>) -> Result<f64, CliError> {
         let first = of(&self.rows[0]);
-        match self.rows.iter().find(|row| of(row) != first) {
-            Some(other) => Err(self.wrong(
-                other,
-                key,
-                of(other).map_or(String::new(), |x| x.to_string()),
-                format!(
-                    "{}, as in line {}",
-                    first.unwrap_or(f64::NAN),
-                    self.rows[0].line
-                ),
-            )),
-            None => Ok(first),
+        let is_other = |row: &&Row| of(row).is_none() || of(row) != first;
+        match (first, self.rows.iter().find(is_other)) {
+            (Some(value), None) => Ok(value),
+            (_, other) => {
+                let value = other.and_then(of).map_or(String::new(), |x| x.to_string());
+                let row = other.unwrap_or(&self.rows[0]);
+                let allowed = match first {
+                    Some(first) => format!("{first}, as in line {}", self.rows[0].line),
+                    None => "a number, which says what the table was made for".into(),
+                };
+                Err(self.wrong(row, key, value, allowed))
+            }
         }
-    }
-
-    /// The lean (rad) at which all stances start, not a number for the firing angle; none where the
-    /// file does not say.
-    fn start_lean(&self) -> Result<Option<f64>, CliError> {
-        if self
-            .rows
-            .iter()
-            .all(|row| row.start_lean == Some(row.angle))
-        {
-            return Ok(Some(f64::NAN));
-        }
-        self.value("start_lean_rad", |row| row.start_lean)
     }
 
     /// What says where the rows' jumps land.
@@ -392,13 +331,5 @@ fn within(rates: &Values, points: &[(f64, f64)]) -> Result<Vec<f64>, CliError> {
             format!("within the table: from {low} to {high} rad/s"),
         )),
         None => Ok(rates.to_vec()),
-    }
-}
-
-fn lean_word(lean: f64) -> String {
-    if lean.is_nan() {
-        "firing".into()
-    } else {
-        lean.to_string()
     }
 }
