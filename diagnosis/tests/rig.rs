@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use saltus_diagnosis::rig::{Course, Rig, Start};
-use saltus_robot::{Drive, Robot, Term, resolve, terms};
+use saltus_robot::{Drive, Robot, Term, resolve};
 use saltus_sim_check as sim_check;
 use sim_check::{Happening, Settings, Sim};
 
@@ -206,7 +206,12 @@ fn fed() -> Vec<Robot> {
 
 /// The robot of the page of keys, which has every term.
 fn everything() -> Robot {
-    Robot::parse(&terms::page(), "page", Path::new(".")).expect("the page is a robot")
+    let readme = include_str!("../../robots/README.md");
+    let page = readme.split("```toml\n").nth(1);
+    let page = page
+        .and_then(|rest| rest.split("```").next())
+        .expect("the page of keys");
+    Robot::parse(page, "page", Path::new(".")).expect("the page is a robot")
 }
 
 /// Values of `term` to set in `robot`: above, the laboratory's, or others than its own.

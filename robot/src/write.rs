@@ -35,7 +35,7 @@ impl fmt::Display for RobotFile<'_> {
         writeln!(f, "name = {}", quoted(&self.0.name))?;
         SECTIONS
             .iter()
-            .try_for_each(|section| write_section(f, section.name, self.0))
+            .try_for_each(|section| write_section(f, section, self.0))
     }
 }
 

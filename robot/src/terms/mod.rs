@@ -4,11 +4,8 @@
 //! that a diagnosis can name, the effects that the tests hide and the robots that they draw all
 //! follow from it. A new term is an entry there, a field in [`Robot`], and its equation.
 
-mod page;
 mod spec;
 
-pub use page::page;
-pub(crate) use page::{FREE_CONTRACTION, SECTIONS};
 pub use spec::{Cause, Fit, Form, Plane, Spec};
 
 use std::f64::consts::FRAC_PI_4;
@@ -23,6 +20,30 @@ use crate::units::{
     TORQUE, VOLUME,
 };
 use crate::{Drive, LegBody, Robot, Sensors};
+
+/// The tables of a robot file, in the order in which files are written.
+pub const SECTIONS: [&str; 17] = [
+    "body",
+    "leg",
+    "leg.gas",
+    "leg.return_spring",
+    "leg.exhaust_port",
+    "leg.cushion",
+    "leg.muscle",
+    "leg.tube",
+    "tank",
+    "boom",
+    "boom.counterweight",
+    "struts",
+    "foot",
+    "ground",
+    "environment",
+    "errors",
+    "sensors",
+];
+
+/// Key of the coefficients of a muscle's free contraction (m; the gauge pressure in Pa).
+pub(crate) const FREE_CONTRACTION: &str = "free_contraction_m";
 
 /// Counts of an encoder in a turn: a counter of 32 bits holds two thousand turns of the most.
 const COUNTS: Domain = Domain::at_least(1.0).up_to(1e6).whole();

@@ -102,8 +102,10 @@ pub struct Spec {
     /// robot: a force as part of that of the drive. 0: by other rules.
     pub drawn_to: f64,
     /// A line of the page of keys, and what is said of it.
-    pub(super) example: &'static str,
-    pub(super) note: &'static str,
+    /// A line of a robot file with it; empty: it is no key of a pneumatic robot.
+    pub example: &'static str,
+    /// What it means.
+    pub note: &'static str,
     off: fn(&Robot) -> Option<f64>,
     domain: fn(&Robot) -> Domain,
     lens: Lens,

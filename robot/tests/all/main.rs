@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod built_in;
+mod keys;
 mod properties;
 mod space;
 mod spellings;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use saltus_robot::{
     Cushion, Cylinder, Drive, ExhaustPort, Gas, GaugePressure, Ground, ReturnSpring, Robot,
-    Sensors, Term, resolve,
+    Sensors, resolve,
 };
 
 /// `rats-planar` with `overrides`.
@@ -287,34 +287,4 @@ fn a_force_table_is_a_set_of_rows() {
     );
     std::fs::remove_dir_all(&folder).expect("the folder made above");
     assert_eq!(tidy, untidy);
-}
-
-/// The first example of robots/README.md is the page of keys, and each is a sound robot file.
-#[test]
-fn the_examples_of_the_readme_are_sound() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
-    let readme = include_str!("../../robots/README.md");
-    let examples: Vec<&str> = readme
-        .split("```toml\n")
-        .skip(1)
-        .filter_map(|rest| rest.split("```").next())
-        .collect();
-    assert_eq!(examples.len(), 7);
-    let write_anew = "cargo run -p saltus-robot --example keys";
-    assert_eq!(examples[0], saltus_robot::terms::page(), "{write_anew}");
-    for example in examples {
-        Robot::parse(example, "README.md", &folder).unwrap_or_else(|error| panic!("{error}"));
-    }
-}
-
-/// The page of keys has every key of a pneumatic robot, each with an effect.
-#[test]
-fn the_page_of_keys_is_whole() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
-    let page = saltus_robot::terms::page();
-    let robot = Robot::parse(&page, "page", &folder).expect("sound");
-    for term in Term::ALL.iter().filter(|term| term.applies(&robot)) {
-        let value = term.of(&robot);
-        assert!(value.is_some() && value != term.off(&robot), "{term:?}");
-    }
 }

@@ -1,14 +1,15 @@
 //! The page of keys: a robot file with every key, and what each means.
 
 use std::fmt::Write;
+use std::path::Path;
 
-use super::{Plane, Term};
-use crate::Robot;
+use saltus_robot::terms::{Plane, SECTIONS};
+use saltus_robot::{Robot, Term};
 
 /// A table of a robot file.
-pub(crate) struct Section {
+struct Section {
     /// Its dotted name.
-    pub(crate) name: &'static str,
+    name: &'static str,
     /// What the page says of it.
     note: &'static str,
     /// Lines of the page before those of its terms, each with what is said of it.
@@ -23,8 +24,8 @@ const fn section(name: &'static str, note: &'static str) -> Section {
     }
 }
 
-/// The tables of a robot file, in the order in which files are written.
-pub(crate) const SECTIONS: &[Section] = &[
+/// The tables of a robot file.
+const NOTED: &[Section] = &[
     Section {
         first: &[("legs = 5", "evenly spaced; commands take 1000 at most")],
         ..section("body", "")
@@ -77,18 +78,15 @@ pub(crate) const SECTIONS: &[Section] = &[
     ),
 ];
 
-/// Key of the coefficients of a muscle's free contraction (m; the gauge pressure in Pa).
-pub(crate) const FREE_CONTRACTION: &str = "free_contraction_m";
-
 /// Column in which the notes begin.
 const NOTES: usize = 38;
 
 /// A robot file in which every key of a pneumatic robot stands, with what it means: the page of
 /// `robots/README.md`. Keys that the planar model leaves out are marked †.
-pub fn page() -> String {
+fn page() -> String {
     let plain = Robot::rats_planar();
     let mut page = String::from("name = \"everything\"\n");
-    for section in SECTIONS {
+    for section in NOTED {
         let terms: Vec<Term> = Term::ALL
             .iter()
             .copied()
@@ -139,4 +137,39 @@ fn line(page: &mut String, text: &str, note: &str) {
         )
     };
     result.expect("writing to a string never fails");
+}
+
+/// The first example of robots/README.md is the page of keys, and each is a sound robot file.
+#[test]
+fn the_examples_of_the_readme_are_sound() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let readme = include_str!("../../robots/README.md");
+    let examples: Vec<&str> = readme
+        .split("```toml\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .collect();
+    assert_eq!(examples.len(), 7);
+    if std::env::var_os("SALTUS_WRITE_PAGES").is_some() {
+        let readme = readme.replacen(examples[0], &page(), 1);
+        std::fs::write(folder.join("README.md"), readme).expect("robots/README.md is writable");
+        return;
+    }
+    assert_eq!(examples[0], page(), "SALTUS_WRITE_PAGES=1 writes it anew");
+    for example in examples {
+        Robot::parse(example, "README.md", &folder).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// The page of keys has every table and every key of a pneumatic robot, each with an effect.
+#[test]
+fn the_page_of_keys_is_whole() {
+    let names: Vec<&str> = NOTED.iter().map(|section| section.name).collect();
+    assert_eq!(names, SECTIONS);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let robot = Robot::parse(&page(), "page", &folder).expect("sound");
+    for term in Term::ALL.iter().filter(|term| term.applies(&robot)) {
+        let value = term.of(&robot);
+        assert!(value.is_some() && value != term.off(&robot), "{term:?}");
+    }
 }
