@@ -317,14 +317,6 @@ impl Cylinder {
         let sound = (self.gas.heat_ratio * self.gas.constant * self.temperature).sqrt();
         self.tube.map_or(0.0, |tube| tube.length / sound)
     }
-
-    /// Effective area of the valve's orifice, C_f A_v (m²).
-    pub fn valve_area(&self) -> f64 {
-        self.discharge_coefficient
-            * std::f64::consts::PI
-            * self.orifice_radius
-            * self.orifice_radius
-    }
 }
 
 /// A pneumatic muscle that drives a leg: it contracts as the leg extends.

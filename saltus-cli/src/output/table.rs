@@ -35,29 +35,16 @@ impl From<f64> for Cell {
     }
 }
 
-impl From<&'static str> for Cell {
-    fn from(word: &'static str) -> Cell {
-        Cell::Word(word)
-    }
+macro_rules! from {
+    ($($of:ty => $cell:ident),+) => {
+        $(impl From<$of> for Cell {
+            fn from(of: $of) -> Cell {
+                Cell::$cell(of)
+            }
+        })+
+    };
 }
-
-impl From<String> for Cell {
-    fn from(text: String) -> Cell {
-        Cell::Text(text)
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(flag: bool) -> Cell {
-        Cell::Flag(flag)
-    }
-}
-
-impl From<usize> for Cell {
-    fn from(count: usize) -> Cell {
-        Cell::Count(count)
-    }
-}
+from!(&'static str => Word, String => Text, bool => Flag, usize => Count);
 
 impl<T: Into<Cell>> From<Option<T>> for Cell {
     fn from(value: Option<T>) -> Cell {

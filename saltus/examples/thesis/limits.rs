@@ -58,7 +58,9 @@ fn at_full_flow(robot: &Robot, droop: f64) -> Outcome<f64> {
     let cylinder = robot.leg.cylinder().ok_or("a leg without gas")?;
     let (ratio, gas) = (cylinder.gas.heat_ratio, cylinder.gas.constant);
     let choked = (2.0 / (ratio + 1.0)).powf(0.5 * (ratio + 1.0) / (ratio - 1.0));
-    let flow = cylinder.valve_area() * choked * (ratio / (gas * cylinder.temperature)).sqrt();
+    let orifice = std::f64::consts::PI * cylinder.orifice_radius.powi(2);
+    let area = cylinder.discharge_coefficient * orifice;
+    let flow = area * choked * (ratio / (gas * cylinder.temperature)).sqrt();
     let ambient = robot.environment.ambient.0;
     let left = (cylinder.supply.0 + ambient) / (1.0 + droop * flow) - ambient;
     Ok(left / 6894.757293168)

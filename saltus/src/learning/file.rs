@@ -1,4 +1,4 @@
-//! What was learnt, as a file: the settings, the table and the curve of each seed, and a checksum over all.
+//! What was learnt, as a file: the settings, the table and the curve of each seed.
 
 use std::path::Path;
 
@@ -37,28 +37,6 @@ pub enum PolicyError {
         key: String,
         /// What is wrong with it.
         reason: String,
-    },
-    /// It was changed after it was written, or cut short.
-    #[error(
-        "{file}: checksum = {found}: its contents give {made}; it was damaged or changed by hand"
-    )]
-    Damaged {
-        /// The file.
-        file: String,
-        /// The checksum in it.
-        found: String,
-        /// That of its contents.
-        made: String,
-    },
-    /// Another version wrote it.
-    #[error("{file}: saltus_version = {theirs}: must be {ours}, the version here")]
-    Version {
-        /// The file.
-        file: String,
-        /// Its version.
-        theirs: String,
-        /// That of this library.
-        ours: &'static str,
     },
 }
 
@@ -149,20 +127,18 @@ impl PolicyFile {
         }
     }
 
-    /// The document, with its checksum. Values of 0 are left out.
+    /// The document. Values of 0 are left out.
     pub fn json(&self) -> Value {
         let tables: Vec<Value> = self.tables.iter().map(table_json).collect();
         let mut document = self.settings.head();
         document.insert("tables".into(), Value::Array(tables));
-        let sum = checksum(&document);
-        document.insert("checksum".into(), json!(sum));
         Value::Object(document)
     }
 
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// [`PolicyError`] for what is no such file, and for one that was damaged.
+    /// [`PolicyError`] for what is no such file.
     pub fn load(path: &Path) -> Result<PolicyFile, PolicyError> {
         PolicyFile::parse(&input::text(path, LIMIT_MIB)?, &path.display().to_string())
     }
@@ -180,20 +156,8 @@ impl PolicyFile {
         let Value::Object(mut document) = policy else {
             return Err(wrong("JSON", "is no object".into()));
         };
-        let found = document.remove("checksum");
-        let missing = if document.contains_key("tables") {
-            "checksum"
-        } else {
-            "policy"
-        };
-        let found = found.ok_or_else(|| wrong(missing, "is missing".into()))?;
-        let made = checksum(&document);
-        if found != json!(made) {
-            return Err(PolicyError::Damaged {
-                file: file.into(),
-                found: found.to_string(),
-                made,
-            });
+        if !document.contains_key("tables") {
+            return Err(wrong("policy", "is missing".into()));
         }
         let tables: Vec<Map<String, Value>> = take!(document, "tables", wrong);
         let one = |(k, table)| {
@@ -224,15 +188,6 @@ impl Settings {
     /// The settings that stand in the `head` of a file; messages call it `file`.
     fn parse(mut head: Map<String, Value>, file: &str) -> Result<Settings, PolicyError> {
         let wrong = PolicyError::content(file);
-        let version: String = take!(head, "saltus_version", wrong);
-        let ours = env!("CARGO_PKG_VERSION");
-        if version != ours {
-            return Err(PolicyError::Version {
-                file: file.into(),
-                theirs: version,
-                ours,
-            });
-        }
         let unknown = |key: &str, name: &str| wrong(key, format!("there is no {name:?}"));
         let name: String = take!(head, "task", wrong);
         let task = Task::ALL.into_iter().find(|it| it.name() == name);
@@ -321,11 +276,6 @@ fn disturbance(
             When::Place(take!(it, "from_m", wrong), take!(it, "to_m", wrong))
         },
     })
-}
-
-fn checksum(document: &Map<String, Value>) -> String {
-    let text = Value::Object(document.clone()).to_string();
-    format!("{:08x}", crc32fast::hash(text.as_bytes()))
 }
 
 /// A score in a file: sum of the rewards, steps, steps outside; time, angle, travel, arrival, gas, firings, and whether it

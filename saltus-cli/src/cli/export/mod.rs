@@ -6,6 +6,7 @@ mod tables;
 
 use clap::{Args, Subcommand, ValueEnum};
 use saltus::Robot;
+use saltus::export::Number;
 use saltus::sim_check::{self, SimError};
 
 use super::Status;
@@ -97,6 +98,20 @@ enum RealType {
     Float,
     /// 64 bits: double, f64.
     Double,
+}
+
+/// What is written in a controller's numbers.
+trait Written {
+    fn write<R: Number>(&self) -> Result<Status, CliError>;
+}
+
+impl Real {
+    fn write(self, what: &impl Written) -> Result<Status, CliError> {
+        match self.real {
+            RealType::Float => what.write::<f32>(),
+            RealType::Double => what.write::<f64>(),
+        }
+    }
 }
 
 impl Export {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use saltus::export::{LearntTable, Number};
 
-use super::{Real, RealType};
+use super::{Real, Written};
 use crate::cli::Status;
 use crate::cli::common::OutFolder;
 use crate::cli::learned::Learned;
@@ -37,12 +37,11 @@ scores and `saltus run policy` runs, to the bit with --real double.";
 impl Policy {
     pub(super) fn run(self) -> Result<Status, CliError> {
         self.out.ready()?;
-        match self.real.real {
-            RealType::Float => self.write::<f32>(),
-            RealType::Double => self.write::<f64>(),
-        }
+        self.real.write(&self)
     }
+}
 
+impl Written for Policy {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let name = self.learnt.display().to_string();
         let learned = Learned::load(&self.learnt)?;

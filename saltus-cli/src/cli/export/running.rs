@@ -4,7 +4,7 @@ use clap::{Args, Subcommand};
 use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Stable, Steered};
 
-use super::{Real, RealType};
+use super::{Real, Written};
 use crate::cli::Status;
 use crate::cli::common::{OutFolder, RobotFlags};
 use crate::cli::refused::refused;
@@ -72,25 +72,22 @@ machine. controller/examples/ball.c is a control loop.";
 
 impl OfGait {
     pub(super) fn run(self) -> Result<Status, CliError> {
-        let With { of, flags, .. } = self.gait;
-        flags.out.ready()?;
-        match flags.real.real {
-            RealType::Float => of.write::<f32>(&flags),
-            RealType::Double => of.write::<f64>(&flags),
-        }
+        self.gait.flags.out.ready()?;
+        self.gait.flags.real.write(&self)
     }
 }
 
-impl Flashed {
-    fn write<R: Number>(self, flags: &GaitFlags) -> Result<Status, CliError> {
-        let written = match self {
+impl Written for OfGait {
+    fn write<R: Number>(&self) -> Result<Status, CliError> {
+        let With { of, flags, .. } = &self.gait;
+        let written = match of {
             Flashed::Law(With {
                 of, flags: senses, ..
-            }) => running::<R>(&of, senses, flags)?,
+            }) => running::<R>(of, senses, flags)?,
             Flashed::Speed(senses) => running::<R>(&Law::Speed(Vec::new()), senses, flags)?,
             Flashed::DiscStable | Flashed::Steer => {
                 let robot = flags.robot.any_robot_or("rats-twelve")?;
-                let written = match self {
+                let written = match of {
                     Flashed::Steer => CFiles::steered::<R>(&robot, &Steered::towards(0.0)),
                     _ => CFiles::stable::<R>(&robot, &Stable::default()),
                 };
@@ -103,7 +100,7 @@ impl Flashed {
 }
 
 /// The files of a robot in its plane.
-fn running<R: Number>(law: &Law, senses: Senses, flags: &GaitFlags) -> Result<CFiles, CliError> {
+fn running<R: Number>(law: &Law, senses: &Senses, flags: &GaitFlags) -> Result<CFiles, CliError> {
     let robot = flags.robot.robot_or("rats-run")?;
     let setup = law.setup(robot, senses, 1.0)?;
     let written = CFiles::running::<R>(&setup);

@@ -5,7 +5,7 @@ use saltus::export::{self, ExportError, Number, Request, Tables};
 use saltus::on_plant::OnPlant;
 use saltus::{Planner, Robot};
 
-use super::{Real, RealType};
+use super::{Real, Written};
 use crate::cli::Status;
 use crate::cli::common::{OutFile, OutFolder, PlantFlags, RobotFlags, Threads, note_valve};
 use crate::cli::terms::{TermFlags, Terms};
@@ -129,12 +129,11 @@ struct TableFlags {
 impl C {
     pub(super) fn run(self) -> Result<Status, CliError> {
         self.out.ready()?;
-        match self.flags.real.real {
-            RealType::Float => self.write::<f32>(),
-            RealType::Double => self.write::<f64>(),
-        }
+        self.flags.real.write(&self)
     }
+}
 
+impl Written for C {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);
@@ -152,12 +151,11 @@ impl C {
 impl Rust {
     pub(super) fn run(self) -> Result<Status, CliError> {
         self.out.ready()?;
-        match self.flags.real.real {
-            RealType::Float => self.write::<f32>(),
-            RealType::Double => self.write::<f64>(),
-        }
+        self.flags.real.write(&self)
     }
+}
 
+impl Written for Rust {
     fn write<R: Number>(&self) -> Result<Status, CliError> {
         let Some(tables) = self.flags.tables::<R>()? else {
             return Ok(Status::No);

@@ -168,7 +168,7 @@ JSON: {\"command\": \"learn\", \"task\", \"robot\", \"algorithm\", \"episodes\",
 angle_rad), \"learnt\": {\"mean_of_middle_half\", \"interval_95\"}, \"best\"}, \"arrived\": {\"count\", \"of\", \"interval_95\"}, \
 \"time_to_the_goal_s\" (of the seeds that reach it) and \"episodes_to_90_percent\" (of the seeds that learn to run), each with the keys of \
 \"learnt\" or null without such a seed, \"rows\": [{the columns}], \"curve\": [{\"episode\", \"mean_of_middle_half\", \"low\", \"high\"}], \
-\"best_seed\", \"policy\": {the settings, \"tables\", \"checksum\"}}. The policy is what --resume goes on from.
+\"best_seed\", \"policy\": {the settings, \"tables\"}}. The policy is what --resume goes on from.
 
 Ctrl-C ends learning after the episodes that run; the answer is then of what was learnt, with exit code 130, and can be resumed. A robot that learns \
 nothing is an answer: the exit code is 0. The answer depends on the seeds alone, not on --threads, nor on whether it was resumed.";

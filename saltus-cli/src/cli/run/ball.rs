@@ -14,7 +14,6 @@ use saltus::gait::GaitError;
 use saltus::gait::space::{Ball as Cycle, Knows, Left, Roll, Thrown};
 use serde_json::{Value, json};
 
-use super::described::settings_in_space;
 use super::report::approximate;
 use super::rows::Rows;
 use super::{RunFlags, note_interrupt};
@@ -125,8 +124,7 @@ impl InSpace {
             ended: came.words(),
             rolled: came.failure().is_none(),
         };
-        let settings = settings_in_space(&setup, &self.gait, self.flags.seed);
-        beside.add_to(&mut files, &setup, &about, settings)?;
+        beside.add_to(&mut files, &setup, &about)?;
         files.write()?;
         Ok(match (interrupt.came(), came.failure()) {
             (true, _) => Status::Interrupted,

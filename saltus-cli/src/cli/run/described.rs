@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use saltus::Robot;
-use saltus::gait::space::{Gait, Knows, Roll};
 use saltus::gait::{Logger, instruments};
 use saltus::robot::Drive;
 
@@ -79,35 +78,6 @@ pub(super) fn settings(report: &Report<'_>) -> String {
         "coarse_accelerometer_m_s2",
         float(one.fine_accelerometer * ratio),
     );
-    text
-}
-
-/// The text of `settings.toml` of a robot in space: how the run was set.
-pub(super) fn settings_in_space(setup: &Roll, gait: &str, seed: u64) -> String {
-    let mut text = String::new();
-    let mut key = |name: &str, value: String| {
-        // Writing to a string does not fail.
-        let _ = writeln!(text, "{name} = {value}");
-    };
-    key("gait", serde_json::Value::from(gait).to_string());
-    key("by_sensors", (setup.knows != Knows::Truth).to_string());
-    match &setup.gait {
-        Gait::Stable(stable) => key("line_rad", float(stable.line)),
-        Gait::Steered(steered) => {
-            let points = steered.path.iter();
-            let points: Vec<String> = points
-                .map(|[x, y]| format!("[{}, {}]", float(*x), float(*y)))
-                .collect();
-            key("path_m", format!("[{}]", points.join(", ")));
-        }
-        Gait::Disc(fires) => {
-            key("zone_rad", float(fires.zone));
-            key("valve_open_s", float(fires.valve_open));
-        }
-    }
-    let period = setup.robot.sensors.unwrap_or_default().period;
-    key("period_s", float(period));
-    key("seed", seed.to_string());
     text
 }
 

@@ -255,7 +255,7 @@ impl Plane {
                 return learned.chosen(robot, seconds);
             }
         };
-        let mut setup = law.setup(robot(None)?, senses, seconds)?;
+        let mut setup = law.setup(robot(None)?, &senses, seconds)?;
         setup.forwards = direction == Direction::Forwards;
         Ok(Chosen {
             words: law.words(&setup),
@@ -342,7 +342,7 @@ impl Law {
     pub(crate) fn setup(
         &self,
         robot: Robot,
-        senses: Senses,
+        senses: &Senses,
         seconds: f64,
     ) -> Result<Setup, CliError> {
         let pitch = TAU / f64::from(robot.body.legs);
@@ -373,7 +373,7 @@ impl Law {
             (program, _) => Setup::new(robot, program, seconds),
         };
         setup.zone = zone;
-        setup.taps = senses.taps.0;
+        setup.taps.clone_from(&senses.taps.0);
         if let Law::Fixed { valve, .. }
         | Law::OpenLoop { valve, .. }
         | Law::ClosedLoop { valve, .. } = self

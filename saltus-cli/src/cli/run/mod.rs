@@ -44,7 +44,7 @@ pub(crate) use gait::{Law, Senses};
 use held::Held;
 use recorder::Recorder;
 use rows::{Columns, Rows};
-use telemetry::Telemetry;
+use telemetry::{MANIFEST, SETTINGS, Telemetry};
 
 /// Longest run with a page to watch (s).
 const LONGEST_FILM: f64 = 60.0;
@@ -228,7 +228,7 @@ rate_rad_s, roll_rad, roll_rate_rad_s, heading_rad, stations_passed, feet_on_gro
 twin_valve_open_s (empty where none fires), what its sensors make of place and attitude, estimated_x_m to estimated_z_m and estimated_quaternion_w to estimated_quaternion_z \
 (empty without sensors), and extension_N_m of each leg. Its page (--animate) shows the ball in space, by WebGL, with the estimate of \
 its sensors beside it. Its telemetry is run.csv, with the columns of /measured (rates and specific force along the body's axes, contact \
-and valve of each leg), cycles.csv with the columns of CSV, robot.toml and settings.toml; `saltus diagnose` does not read it.
+and valve of each leg), cycles.csv with the columns of CSV and robot.toml; `saltus diagnose` does not read it.
 
 --mcap writes the motion every cycle as it is computed, and in /measured the columns of --telemetry; docs/viewers.md lists the topics.
 
@@ -376,8 +376,9 @@ impl InPlane {
             files.check()?;
         }
         if let Some((folder, _)) = kept.telemetry {
-            let manifest = described::manifest(&report, &believed);
-            folder.publish(&believed, described::settings(&report), Some(manifest))?;
+            let settings = (SETTINGS, described::settings(&report));
+            let manifest = (MANIFEST, described::manifest(&report, &believed));
+            folder.publish(&believed, [settings, manifest])?;
         }
         note_interrupt(&interrupt, summary.time);
         files.write()?;

@@ -13,9 +13,9 @@ use crate::output::Files;
 
 pub(super) const ROWS: &str = "run.csv";
 const CYCLES: &str = "cycles.csv";
-const SETTINGS: &str = "settings.toml";
+pub(super) const SETTINGS: &str = "settings.toml";
 pub(super) const ROBOT: &str = "robot.toml";
-const MANIFEST: &str = "experiment.toml";
+pub(super) const MANIFEST: &str = "experiment.toml";
 
 /// A folder that is filled; it is as it was where the run does not come to its end.
 #[derive(Debug)]
@@ -74,13 +74,12 @@ impl Telemetry {
         self.rows.iter().all(Rows::is_open)
     }
 
-    /// Puts all files in their place, the manifest last: without one, nothing reads the data. They name `robot`, which need not
-    /// be the one that ran.
-    pub(super) fn publish(
+    /// Puts all files in their place, with the robot, which need not be the one that ran, and `more`: the manifest last, as nothing
+    /// reads the data without one.
+    pub(super) fn publish<const N: usize>(
         mut self,
         robot: &Robot,
-        settings: String,
-        manifest: Option<String>,
+        more: [(&'static str, String); N],
     ) -> Result<(), CliError> {
         let Some(staged) = self.staged.take() else {
             return Ok(());
@@ -92,9 +91,7 @@ impl Telemetry {
             }
         }
         let mut names = vec![ROWS, CYCLES];
-        let texts = [(ROBOT, robot.to_toml()), (SETTINGS, settings)];
-        let manifest = manifest.map(|text| (MANIFEST, text));
-        for (name, text) in texts.into_iter().chain(manifest) {
+        for (name, text) in [(ROBOT, robot.to_toml())].into_iter().chain(more) {
             files.add("--telemetry", &staged.path().join(name), text.into_bytes());
             names.push(name);
         }

@@ -76,7 +76,6 @@ impl Beside {
         files: &mut Files,
         setup: &Roll,
         about: &About,
-        settings: String,
     ) -> Result<(), CliError> {
         if let Some((path, film)) = self.film {
             let html = film.page(setup, about);
@@ -87,7 +86,7 @@ impl Beside {
             files.check()?;
         }
         if let Some((telemetry, _)) = self.telemetry {
-            telemetry.publish(&setup.robot, settings, None)?;
+            telemetry.publish(&setup.robot, [])?;
         }
         Ok(())
     }
