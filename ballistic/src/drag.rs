@@ -10,7 +10,6 @@ mod track;
 use saltus_numeric::Single;
 
 use crate::clearance::{check_span, clearance};
-use crate::flight::times;
 use crate::{Disc, Flight, FlightError, Obstacle};
 use track::{Node, Track};
 
@@ -247,6 +246,15 @@ impl<S: Single> DragFlight<S> {
             })
         }
     }
+}
+
+/// `count` evenly spaced times from `from` to `to`, both included.
+fn times(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    let last = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(move |i| {
+        let share = i as f64 / last;
+        from * (1.0 - share) + to * share
+    })
 }
 
 #[cfg(test)]

@@ -155,21 +155,6 @@ impl<S: Single> Flight<S> {
             .sqrt()
     }
 
-    /// Points (t, x, y) of the path at `count` evenly spaced times from `from` to `to` (s), both
-    /// included: for plots.
-    pub fn samples(
-        &self,
-        from: f64,
-        to: f64,
-        count: usize,
-    ) -> impl Iterator<Item = (f64, f64, f64)> {
-        let flight = self.values();
-        times(from, to, count).map(move |t| {
-            let [x, y] = flight.position(t);
-            (t, x, y)
-        })
-    }
-
     /// The flight without its derivatives.
     pub(crate) fn values(&self) -> Flight<f64> {
         Flight {
@@ -225,15 +210,6 @@ impl<S: Single> Flight<S> {
             Ok(self.apex_time())
         }
     }
-}
-
-/// `count` evenly spaced times from `from` to `to`, both included.
-pub(crate) fn times(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
-    let last = count.saturating_sub(1).max(1) as f64;
-    (0..count).map(move |i| {
-        let share = i as f64 / last;
-        from * (1.0 - share) + to * share
-    })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use saltus_numeric::{Dual, Scalar};
 
 use super::*;
+use crate::DragFlight;
 use crate::check::{check_slopes, close, config, dual};
 
 const HOP: Flight<f64> = Flight {
@@ -116,6 +117,10 @@ fn sampled(
     to: f64,
     count: usize,
 ) -> (f64, f64) {
+    let flight = DragFlight {
+        vacuum: *flight,
+        drag: 0.0,
+    };
     let points: Vec<_> = flight
         .samples(from, to, count)
         .map(|(_, x, y)| [x, y])

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use saltus_numeric::{Dual, LANES, Lanes};
 
 use super::*;
+use crate::DragFlight;
 use crate::check::{check_slopes, close, config, dual, flights};
 
 #[test]
@@ -145,13 +146,14 @@ fn flights_side_by_side_are_the_same() {
 
 #[test]
 fn samples_include_both_ends() {
-    let flight = Flight {
+    let vacuum = Flight {
         x: 0.0,
         y: 1.0,
         vx: 3.0,
         vy: 4.0,
         gravity: 8.0,
     };
+    let flight = DragFlight { vacuum, drag: 0.0 };
     let points: Vec<_> = flight.samples(0.0, 1.0, 3).collect();
     assert_eq!(points, [(0.0, 0.0, 1.0), (0.5, 1.5, 2.0), (1.0, 3.0, 1.0)]);
     assert_eq!(flight.samples(0.25, 1.0, 1).next().map(|p| p.0), Some(0.25));
