@@ -14,7 +14,7 @@ use self::sensed::Learning;
 use super::common::{OutputFlags, RobotFlags, Seed, Threads};
 use super::{Place, Status};
 use crate::error::{CliError, cut};
-use crate::output::{Files, Format, digits, in_words};
+use crate::output::{self, Files, Format, digits, in_words};
 use crate::progress::Progress;
 use crate::quantity;
 
@@ -213,42 +213,40 @@ impl Answer<'_> {
     }
 
     fn text(&self) -> String {
-        use std::fmt::Write as _;
         let short = |x: f64| digits(x, 4);
         let Obstacle {
             front,
             length,
             height,
         } = self.obstacle;
-        let mut text = format!(
-            "{}: a box {} m high and {} m long, its front {} m from the axle at rest\n",
+        let head = format!(
+            "{}: a box {} m high and {} m long, its front {} m from the axle at rest",
             self.name,
             short(height),
             short(length),
             short(front)
         );
-        for (k, [angle, open]) in self.plan.first.iter().enumerate() {
-            let _ = writeln!(
-                text,
-                "  firing {}           α_f {} rad, valve open {} ms",
-                k + 1,
+        let firing = |(k, [angle, open]): (usize, &[f64; 2])| {
+            let how = format!(
+                "α_f {} rad, valve open {} ms",
                 short(*angle),
                 short(open * 1e3)
             );
-        }
+            (format!("firing {}", k + 1), how)
+        };
+        let mut lines: Vec<_> = self.plan.first.iter().enumerate().map(firing).collect();
         let leap = &self.plan.leap;
-        let _ = writeln!(
-            text,
-            "  firing {}, the jump α_f = {} s · ω + {} rad, valve open {} ms",
-            self.plan.first.len() + 1,
+        let how = format!(
+            "α_f = {} s · ω + {} rad, valve open {} ms",
             short(leap.slope),
             short(leap.level),
             short(leap.valve_open * 1e3)
         );
+        lines.push((format!("firing {}, the jump", lines.len() + 1), how));
         let share = self.share();
-        let _ = writeln!(text, "  cleared            {}", in_words(&share));
-        text += &self.margin().lines(height, share, ENOUGH);
-        text
+        lines.push(("cleared".into(), in_words(&share)));
+        lines.extend(self.margin().lines(height, share, ENOUGH));
+        output::lines(&head, 18, &lines)
     }
 
     fn json(&self) -> Value {

@@ -50,6 +50,16 @@ impl Format {
     }
 }
 
+/// `head` with lines below: names, which take so many places, and what is said of them.
+pub(crate) fn lines(head: &str, width: usize, lines: &[(impl AsRef<str>, String)]) -> String {
+    let line = |(name, words): &(_, String)| {
+        let name: &str = AsRef::as_ref(name);
+        format!("  {name:<width$} {words}\n")
+    };
+    let lines: String = lines.iter().map(line).collect();
+    format!("{head}\n{lines}")
+}
+
 /// One object with the entries of all.
 pub(crate) fn joined(parts: impl IntoIterator<Item = Value>) -> Value {
     let maps = parts.into_iter().filter_map(|part| match part {

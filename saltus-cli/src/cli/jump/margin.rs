@@ -43,23 +43,27 @@ impl Margin {
 
     /// The lines of a report on a box `height` (m) high, and on what is nearer to being cleared by
     /// `enough` of the robots, if fewer clear it.
-    pub(super) fn lines(&self, height: f64, share: Share, enough: f64) -> String {
+    pub(super) fn lines(&self, height: f64, share: Share, enough: f64) -> Vec<(String, String)> {
         let short = |x: f64| digits(x, 4);
         let (robots, over) = (self.robots, self.over.len());
-        let mut text = format!("  over the box       {over} of {robots}, touching it or not\n");
+        let mut lines = vec![(
+            "over the box",
+            format!("{over} of {robots}, touching it or not"),
+        )];
         if let (Some(least), Some(middle)) = (self.part(5), self.part(50)) {
-            text += "  clearance          of these: ";
-            text += &short(least);
-            text += " m or less for 5 %, ";
-            text += &short(middle);
-            text += " m or less for half; below 0 they touch\n";
+            let (least, middle) = (short(least), short(middle));
+            let words = format!(
+                "of these: {least} m or less for 5 %, {middle} m or less for half; below 0 they touch"
+            );
+            lines.push(("clearance", words));
         }
         if share.value() < enough {
-            text += "  nearest feasible   ";
-            text += &self.advice(height, enough);
-            text += "\n";
+            lines.push(("nearest feasible", self.advice(height, enough)));
         }
-        text
+        lines
+            .into_iter()
+            .map(|(name, words)| (name.to_owned(), words))
+            .collect()
     }
 
     /// Height (m) of a box that is nearer to being cleared by `enough` of the robots than one of
@@ -99,6 +103,11 @@ mod tests {
         Margin::of(clearances.iter().map(passage))
     }
 
+    fn said(margin: &Margin, height: f64, share: Share) -> String {
+        let lines = margin.lines(height, share, 0.95);
+        lines.into_iter().map(|(_, words)| words + "\n").collect()
+    }
+
     /// A robot that stops far before the box is no sign that a higher box can be cleared.
     #[test]
     fn only_robots_that_come_over_count() {
@@ -109,13 +118,17 @@ mod tests {
             (false, f64::INFINITY),
             (false, 0.5),
         ]);
-        let lines = stopped.lines(0.03, share, 0.95);
+        let lines = said(&stopped, 0.03, share);
         assert!(lines.contains("1 of 4, touching"), "{lines}");
         assert!(lines.contains("a lower or shorter box"), "{lines}");
         let touched = margin(&[(true, -0.04), (true, -0.03), (true, 0.01), (true, 0.01)]);
-        let lines = touched.lines(0.21, share, 0.95);
+        let lines = said(&touched, 0.21, share);
         assert!(lines.contains("a box of about 0.17 m"), "{lines}");
-        let none = margin(&[(false, f64::INFINITY)]).lines(2.0, Share { count: 0, of: 1 }, 0.95);
+        let none = said(
+            &margin(&[(false, f64::INFINITY)]),
+            2.0,
+            Share { count: 0, of: 1 },
+        );
         assert!(!none.contains("inf") && !none.contains("NaN"), "{none}");
     }
 }

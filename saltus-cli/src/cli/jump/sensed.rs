@@ -1,7 +1,5 @@
 //! A box that the robot senses while it runs, and the greatest box by supply pressure.
 
-use std::fmt::Write as _;
-
 use clap::Args;
 use saltus::Robot;
 use saltus::gait::{BoxTable, Draw, Faced, Sensed, Smooth};
@@ -12,7 +10,7 @@ use super::super::Status;
 use super::margin::{Margin, Passage};
 use super::{Course, ENOUGH, Jump, refused};
 use crate::error::CliError;
-use crate::output::{Format, digits, in_words};
+use crate::output::{self, Format, digits, in_words};
 use crate::progress::Progress;
 
 /// How the table for a sensed box is made.
@@ -142,9 +140,9 @@ impl Answer<'_> {
         let short = |x: f64| digits(x, 4);
         let sensed = self.sensed;
         let reach = sensed.robot.sensors.unwrap_or_default().range_reach;
-        let mut text = format!(
+        let head = format!(
             "{}: a box {} m high and {} m long, its front {} to {} m from the axle at rest, sensed \
-             from {} m on\n",
+             from {} m on",
             sensed.robot.name,
             short(self.table.height),
             short(sensed.length),
@@ -152,36 +150,20 @@ impl Answer<'_> {
             short(sensed.fronts[1]),
             short(reach),
         );
-        let _ = writeln!(
-            text,
-            "  table              {} cells, of {} runs",
-            self.table.cells.len(),
-            sensed.runs * sensed.rounds
-        );
+        let (cells, runs) = (self.table.cells.len(), sensed.runs * sensed.rounds);
+        let mut lines = vec![("table".to_owned(), format!("{cells} cells, of {runs} runs"))];
         if sensed.room > 0.0 {
-            let _ = writeln!(
-                text,
-                "  room to run up     {} m; nearer, it backs off first",
-                short(sensed.room)
-            );
+            let room = format!("{} m; nearer, it backs off first", short(sensed.room));
+            lines.push(("room to run up".into(), room));
         }
-        let _ = writeln!(
-            text,
-            "  cleared            {}",
-            in_words(&share(self.tried))
-        );
-        let on = self.on();
+        let (share, on) = (share(self.tried), self.on());
+        lines.push(("cleared".into(), in_words(&share)));
         if on.of > 0 {
-            let _ = writeln!(
-                text,
-                "  run on             {} of these, over {RUNS_ON} m/s 3 s later",
-                in_words(&on)
-            );
+            let on = format!("{} of these, over {RUNS_ON} m/s 3 s later", in_words(&on));
+            lines.push(("run on".into(), on));
         }
-        text += &self
-            .margin()
-            .lines(self.table.height, share(self.tried), ENOUGH);
-        text
+        lines.extend(self.margin().lines(self.table.height, share, ENOUGH));
+        output::lines(&head, 18, &lines)
     }
 
     fn json(&self, seed: u64) -> Value {

@@ -1,7 +1,5 @@
 //! What all seeds learnt, in words, rows, JSON and a curve.
 
-use std::fmt::Write;
-
 use saltus::gait::learn::Outcome;
 use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, interquartile};
 use saltus::running::Share;
@@ -146,8 +144,8 @@ impl Report<'_> {
         } else {
             all.to_string()
         };
-        let mut text = format!(
-            "{}: {} by {}, {episodes} episode{}, {} seed{}\n",
+        let head = format!(
+            "{}: {} by {}, {episodes} episode{}, {} seed{}",
             s.plant.robot.name,
             s.task.name(),
             s.algorithm.name(),
@@ -155,10 +153,7 @@ impl Report<'_> {
             self.learnt.pupils.len(),
             plural(self.learnt.pupils.len())
         );
-        for (name, says) in lines {
-            let _ = writeln!(text, "  {name:<24} {says}");
-        }
-        text
+        output::lines(&head, 24, &lines)
     }
 
     /// Episodes that every seed has done.

@@ -146,10 +146,8 @@ impl InSpace {
 
     fn text(&self, robot: &Robot, came: &Came) -> String {
         let rolled = &came.rolled;
-        let mut text = self.head(robot) + "\n";
-        let mut line = |name: &str, what: String| {
-            let _ = writeln!(text, "  {name:<24} {what}");
-        };
+        let mut lines = Vec::new();
+        let mut line = |name: &str, what: String| lines.push((name.to_owned(), what));
         line("ending", came.words());
         line("time", format!("{} s", digits(rolled.time, 6)));
         let way = if came.aim == Aim::Line {
@@ -191,7 +189,7 @@ impl InSpace {
         if let Some(words) = approximate(rolled.approximate) {
             line("contacts", words);
         }
-        text
+        output::lines(&self.head(robot), 24, &lines)
     }
 
     fn report(&self, robot: &Robot, came: &Came) -> Value {

@@ -146,53 +146,47 @@ impl Many<'_> {
     fn text(&self) -> String {
         let all = self.together();
         let setup = &self.ensemble.setup;
-        let line = |name: String, text: String| format!("  {name:<24} {text}\n");
-        let mut text = format!(
-            "{}: {}, {} s, {} drawn robots, seed {}\n",
+        let head = format!(
+            "{}: {}, {} s, {} drawn robots, seed {}",
             setup.robot.name,
             self.run.words,
             digits(setup.seconds, 6),
             self.ensemble.robots,
             self.ensemble.seed
         );
+        let mut lines: Vec<(String, String)> = Vec::new();
+        let mut line = |name: &str, text: String| lines.push((name.into(), text));
         for typed in &self.run.plane.disturb {
-            text += &line("disturbed by".into(), typed.text.clone());
+            line("disturbed by", typed.text.clone());
         }
-        text += &line("drawn".into(), self.drawn());
+        line("drawn", self.drawn());
         for (least, share) in RUNS_FROM.iter().zip(&all.running) {
-            text += &line(format!("over {least} m/s in the end"), in_words(share));
+            line(&format!("over {least} m/s in the end"), in_words(share));
         }
         // A robot that stands has no speed, whatever the noise of its feet.
         let short = |x: f64| digits(if x.abs() < 1e-6 { 0.0 } else { x }, 3);
-        text += &line("stalled in the end".into(), self.stalled().to_string());
+        line("stalled in the end", self.stalled().to_string());
         let none = || "–".to_owned();
-        let speed = all.speed.map_or_else(none, |[least, middle, most]| {
-            format!(
-                "median {}, from {} to {} m/s",
-                short(middle),
-                short(least),
-                short(most)
-            )
-        });
-        text += &line("speed of those that run".into(), speed);
-        let time = all.time_to_3_2.map_or_else(none, |[least, middle]| {
-            format!("median {}, best {} s", short(middle), short(least))
-        });
-        text += &line("3.2 m/s reached by".into(), in_words(&all.reached));
-        text += &line("3.2 m/s reached at".into(), time);
-        text += &line("3.2 m/s within 3 s".into(), in_words(&all.within_3_s));
-        let start = all.speed_at_1_6.map_or_else(none, |[middle, most]| {
-            format!("median {}, best {} m/s", short(middle), short(most))
-        });
-        text += &line("speed at 1.6 s".into(), start);
+        let speed = all.speed.map(|it| it.map(short));
+        let speed =
+            speed.map(|[from, median, to]| format!("median {median}, from {from} to {to} m/s"));
+        line("speed of those that run", speed.unwrap_or_else(none));
+        line("3.2 m/s reached by", in_words(&all.reached));
+        let time = all.time_to_3_2.map(|it| it.map(short));
+        let time = time.map(|[best, median]| format!("median {median}, best {best} s"));
+        line("3.2 m/s reached at", time.unwrap_or_else(none));
+        line("3.2 m/s within 3 s", in_words(&all.within_3_s));
+        let start = all.speed_at_1_6.map(|it| it.map(short));
+        let start = start.map(|[median, best]| format!("median {median}, best {best} m/s"));
+        line("speed at 1.6 s", start.unwrap_or_else(none));
         let gas = all
             .gas_per_metre
-            .map_or_else(none, |gas| format!("median {} g/m", short(gas * 1e3)));
-        text += &line("gas of those that run".into(), gas);
+            .map(|gas| format!("median {} g/m", short(gas * 1e3)));
+        line("gas of those that run", gas.unwrap_or_else(none));
         if let (count, Some(first)) = self.failures() {
-            text += &line("not simulated".into(), format!("{count}, {first}"));
+            line("not simulated", format!("{count}, {first}"));
         }
-        text
+        output::lines(&head, 24, &lines)
     }
 
     fn drawn(&self) -> String {

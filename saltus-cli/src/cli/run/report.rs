@@ -1,7 +1,5 @@
 //! What a run came to, in words and as JSON.
 
-use std::fmt::Write as _;
-
 use saltus::gait::{Ending, Setup, Summary};
 use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
@@ -116,12 +114,7 @@ impl Report<'_> {
         lines.extend(self.feet());
         lines.extend(self.gas());
         lines.extend(self.energies());
-        let mut text = format!("{}\n", self.title());
-        for (name, words) in lines {
-            // Writing to a string does not fail.
-            let _ = writeln!(text, "  {name:<18} {words}");
-        }
-        text
+        output::lines(&self.title(), 18, &lines)
     }
 
     /// How it ended and how fast it was.

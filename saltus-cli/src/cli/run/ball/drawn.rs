@@ -1,7 +1,5 @@
 //! Drawn robots in space, and the shares of them that do what they should.
 
-use std::fmt::Write as _;
-
 use saltus::gait::space::{DrawnBalls, Knows, Roll, drawn_ball, roll};
 use saltus::numeric::parallel;
 use saltus::numeric::statistics::median;
@@ -99,17 +97,11 @@ impl InSpace {
     }
 
     fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
-        let mut text = self.head(&setup.robot);
-        let s = if runs.len() == 1 { "" } else { "s" };
-        let _ = writeln!(
-            text,
-            ", {} drawn robot{s}, seed {}",
-            runs.len(),
-            self.flags.seed
-        );
-        let mut line = |name: &str, what: String| {
-            let _ = writeln!(text, "  {name:<24} {what}");
-        };
+        let (head, count) = (self.head(&setup.robot), runs.len());
+        let s = if count == 1 { "" } else { "s" };
+        let head = format!("{head}, {count} drawn robot{s}, seed {}", self.flags.seed);
+        let mut lines = Vec::new();
+        let mut line = |name: &str, what: String| lines.push((name.to_owned(), what));
         let drawn = format!(
             "forces of legs ± {} %, centre of mass within {} mm, friction {} to {}",
             digits(100.0 * draw.force, 3),
@@ -144,7 +136,7 @@ impl InSpace {
             let count = runs.iter().filter(|run| run.is_err()).count();
             line("not simulated", format!("{count}, {error}"));
         }
-        text
+        output::lines(&head, 24, &lines)
     }
 }
 
