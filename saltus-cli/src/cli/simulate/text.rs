@@ -4,7 +4,7 @@ use saltus::{Flight, FlightError, Jump, Outcome, Robot};
 
 use super::compute::{Answer, Bearing};
 use super::report::table;
-use crate::output::digits;
+use crate::output::{self, digits};
 
 /// Few jumps in full, many as a table.
 pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
@@ -23,93 +23,66 @@ pub(super) fn text(answers: &[Answer], robot: &Robot) -> String {
 fn one(answer: &Answer, robot: &Robot) -> String {
     let Jump {
         launch,
-        stance: lift_off,
+        stance: end,
         ..
     } = &answer.jump;
     let mut lines = vec![
-        format!("{}: one jump", robot.name),
-        line("approach rate", launch.rate, "rad/s"),
-        line("start lean", launch.lean, "rad"),
-        line("firing angle", launch.firing_angle, "rad"),
+        ("approach rate", said(launch.rate, "rad/s")),
+        ("start lean", said(launch.lean, "rad")),
+        ("firing angle", said(launch.firing_angle, "rad")),
     ];
     if robot.leg.drive.has_valve() {
-        lines.push(line("valve open", launch.valve_open, "s"));
+        lines.push(("valve open", said(launch.valve_open, "s")));
     }
-    lines.push(format!(
-        "  {:<16} {}: {}",
-        "outcome",
-        lift_off.outcome.name(),
-        meaning(lift_off.outcome)
-    ));
+    let (name, meaning) = (end.outcome.name(), meaning(end.outcome));
+    lines.push(("outcome", format!("{name}: {meaning}")));
     if let Some(flight) = answer.jump.exact_flight() {
         let Flight { x, y, vx, vy, .. } = flight.vacuum;
+        let [x, y, vx, vy, lean, rate] = [x, y, vx, vy, end.lean, end.rate].map(short);
         lines.extend([
-            line("lift-off", lift_off.time, "s after the start"),
-            format!(
-                "  {:<16} {} m forward, {} m up",
-                "  centre at",
-                short(x),
-                short(y)
-            ),
-            format!(
-                "  {:<16} {} m/s forward, {} m/s up",
-                "  speed",
-                short(vx),
-                short(vy)
-            ),
-            format!(
-                "  {:<16} {} rad, {} rad/s",
-                "  lean and rate",
-                short(lift_off.lean),
-                short(lift_off.rate)
-            ),
-            line("apex", flight.apex_height(), "m"),
+            ("lift-off", said(end.time, "s after the start")),
+            ("  centre at", format!("{x} m forward, {y} m up")),
+            ("  speed", format!("{vx} m/s forward, {vy} m/s up")),
+            ("  lean and rate", format!("{lean} rad, {rate} rad/s")),
+            ("apex", said(flight.apex_height(), "m")),
         ]);
         for (height, name) in [(robot.body.radius, "landing at r_s"), (0.0, "landing at 0")] {
-            lines.push(match flight.range_to_height(height) {
-                Ok(x) => line(
-                    name,
-                    x,
-                    &format!("m ahead of the foot, centre at {height} m"),
-                ),
+            let words = match flight.range_to_height(height) {
+                Ok(x) => said(x, &format!("m ahead of the foot, centre at {height} m")),
                 Err(FlightError::AboveApex { .. }) => {
-                    format!("  {name:<16} never: the apex is below {height} m")
+                    format!("never: the apex is below {height} m")
                 }
-                Err(error) => format!("  {name:<16} never: {error}"),
-            });
+                Err(error) => format!("never: {error}"),
+            };
+            lines.push((name, words));
         }
     }
-    lines.extend(answer.bearing.as_ref().map(bearing).unwrap_or_default());
-    lines.join("\n") + "\n"
+    lines.extend(answer.bearing.as_ref().map(bearing).into_iter().flatten());
+    output::lines(&format!("{}: one jump", robot.name), 16, &lines)
 }
 
-fn bearing(Bearing { contact, energy }: &Bearing) -> [String; 3] {
+fn bearing(Bearing { contact, energy }: &Bearing) -> [(&'static str, String); 3] {
+    const NEVER: &str = "–: the foot never stood";
     let friction = match contact.friction_needed {
-        needed if needed.is_finite() => line(
-            "friction needed",
-            needed,
-            "at least, for the foot not to slip",
-        ),
-        needed if needed.is_nan() => format!("  {:<16} –: the foot never stood", "friction needed"),
-        _ => format!(
-            "  {:<16} any: the ground would have to pull",
-            "friction needed"
-        ),
+        needed if needed.is_finite() => said(needed, "at least, for the foot not to slip"),
+        needed if needed.is_nan() => NEVER.into(),
+        _ => "any: the ground would have to pull".into(),
     };
-    let work = format!(
-        "{} J by the drive, {} J lost",
-        short(energy.drive),
-        short(energy.losses)
-    );
     let normal = match contact.least_normal {
-        normal if normal.is_finite() => line("least normal", normal, "N"),
-        _ => format!("  {:<16} –: the foot never stood", "least normal"),
+        normal if normal.is_finite() => said(normal, "N"),
+        _ => NEVER.into(),
     };
-    [normal, friction, format!("  {:<16} {work}", "work")]
+    let (drive, losses) = (short(energy.drive), short(energy.losses));
+    let work = format!("{drive} J by the drive, {losses} J lost");
+    [
+        ("least normal", normal),
+        ("friction needed", friction),
+        ("work", work),
+    ]
 }
 
-fn line(name: &str, x: f64, unit: &str) -> String {
-    format!("  {name:<16} {} {unit}", short(x))
+fn said(x: f64, unit: &str) -> String {
+    format!("{} {unit}", short(x))
 }
 
 /// A number for people.
