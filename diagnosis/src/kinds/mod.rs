@@ -31,6 +31,7 @@ use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Sort};
 use crate::kind::{Cause, Data, Kind, Parameter, Terms};
+use crate::sensor::Fault;
 pub use crate::spec::Problem;
 use crate::spec::Spec;
 
@@ -82,13 +83,18 @@ pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn K
     (experiment.kind.spec().model)(experiment, robot)
 }
 
-/// What each cause of an experiment does in the model of its kind.
+/// What each cause of an experiment does in the model of its kind; none for faults of sensors, of
+/// which a model knows nothing.
 #[derive(Clone, Debug)]
-struct Causes<E>(Vec<E>);
+struct Causes<E>(Vec<Option<E>>);
 
 impl<E: Copy + PartialEq> Causes<E> {
     /// Puts causes, the listed ones and the terms without a name, into `data`.
-    fn of(data: &mut Data, listed: Vec<(E, Cause)>, terms: Vec<(E, Cause)>) -> Causes<E> {
+    fn of(
+        data: &mut Data,
+        listed: Vec<(Option<E>, Cause)>,
+        terms: Vec<(Option<E>, Cause)>,
+    ) -> Causes<E> {
         data.listed = listed.len();
         let (effects, causes) = listed.into_iter().chain(terms).unzip();
         data.causes = causes;
@@ -97,7 +103,7 @@ impl<E: Copy + PartialEq> Causes<E> {
 
     /// Parameter `p` of an effect; none where the experiment has no such cause.
     fn get(&self, effect: E, p: usize, terms: &Terms) -> Option<f64> {
-        let cause = self.0.iter().position(|own| *own == effect)?;
+        let cause = self.0.iter().position(|own| *own == Some(effect))?;
         Some(terms.get(cause, p))
     }
 
@@ -109,9 +115,14 @@ impl<E: Copy + PartialEq> Causes<E> {
 
 /// A table of causes: a row for each, of what it does and what it is.
 macro_rules! causes {
-    ($($effect:expr => $cause:expr;)+) => { vec![$(($effect, $cause)),+] };
+    ($($effect:expr => $cause:expr;)+) => { vec![$((Some($effect), $cause)),+] };
 }
 use causes;
+
+/// Causes that are faults of sensors.
+fn faults<E>(causes: impl IntoIterator<Item = Cause>) -> impl Iterator<Item = (Option<E>, Cause)> {
+    causes.into_iter().map(|cause| (None, cause))
+}
 
 /// A cause with one parameter.
 fn simple(
@@ -138,18 +149,19 @@ fn share(id: &'static str, name: &str, scale: f64) -> Cause {
 /// A column that is off by a number of this unit.
 fn offset(column: &str, unit: &str, bounds: (f64, f64), scale: f64) -> Cause {
     let name = format!("offset_{unit}");
-    simple("sensor-offset", &name, 0.0, bounds, scale, &[]).of_column(column)
+    simple("sensor-offset", &name, 0.0, bounds, scale, &[]).of_column(column, Fault::Offset)
 }
 
 /// A column that reads too much or too little in proportion.
 fn gain(column: &str) -> Cause {
     let gain = simple("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01, &[]);
-    gain.of_column(column).usual(0.05, "sensors are calibrated")
+    gain.of_column(column, Fault::Gain)
+        .usual(0.05, "sensors are calibrated")
 }
 
 /// A column that is late, by `most` (s) at most.
 fn delay(column: &str, most: f64, scale: f64) -> Cause {
-    amount("sensor-delay", "delay_s", most, scale, &[]).of_column(column)
+    amount("sensor-delay", "delay_s", most, scale, &[]).of_column(column, Fault::Delay)
 }
 
 /// An unknown of a run, free but for `bounds`.
