@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use saltus_robot::Robot;
 
 use crate::prior::Prior;
-use crate::sensor::{Asked, Fault};
+use crate::sensor::{Asked, Fault, Sensor};
 
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
@@ -283,6 +283,41 @@ pub struct Data {
     pub listed: usize,
     /// What of the data is used, and what is not.
     pub notes: Vec<String>,
+}
+
+impl Data {
+    /// The instrument of a column with the terms on.
+    pub fn sensor(&self, column: &str, terms: &Terms) -> Sensor {
+        let causes = self.causes.iter().enumerate();
+        let of = |(k, cause): (usize, &Cause)| {
+            let (fault, own) = (cause.fault?, cause.column.as_deref()?);
+            // Runs of machines that have nothing in common have columns of their own.
+            let is_own = column
+                .strip_suffix(own)
+                .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
+            is_own.then(|| (fault, terms.get(k, 0)))
+        };
+        causes
+            .filter_map(of)
+            .fold(Sensor::default(), |sensor, (fault, size)| {
+                sensor.with(fault, size)
+            })
+    }
+
+    /// What is asked of the model of a run with the terms on.
+    pub fn asked(&self, run: usize, terms: &Terms) -> Asked {
+        let channels = self.channels.iter();
+        let sensors: Vec<Sensor> = channels.map(|it| self.sensor(&it.name, terms)).collect();
+        let readings = &self.logs[run].readings;
+        let first = readings.first().map_or(0.0, |reading| reading.time);
+        let times = readings
+            .iter()
+            .map(|it| sensors[it.channel].shows(it.time, first));
+        Asked {
+            times: times.collect(),
+            sensors,
+        }
+    }
 }
 
 /// An experiment that was not done: one run of it, and which of its causes are those of the

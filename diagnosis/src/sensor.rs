@@ -1,7 +1,5 @@
 //! What an instrument makes of the truth, the same for what is predicted and for what drives a model.
 
-use crate::kind::{Data, Terms};
-
 /// An instrument: its reading is gain · truth + offset, of the truth some time before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
@@ -80,41 +78,6 @@ pub struct Asked {
     pub sensors: Vec<Sensor>,
     /// When (s) the truth of each reading was.
     pub times: Vec<f64>,
-}
-
-impl Data {
-    /// The instrument of a column with the terms on.
-    pub fn sensor(&self, column: &str, terms: &Terms) -> Sensor {
-        let causes = self.causes.iter().enumerate();
-        let of = |(k, cause): (usize, &crate::kind::Cause)| {
-            let (fault, own) = (cause.fault?, cause.column.as_deref()?);
-            // Runs of machines that have nothing in common have columns of their own.
-            let is_own = column
-                .strip_suffix(own)
-                .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
-            is_own.then(|| (fault, terms.get(k, 0)))
-        };
-        causes
-            .filter_map(of)
-            .fold(Sensor::default(), |sensor, (fault, size)| {
-                sensor.with(fault, size)
-            })
-    }
-
-    /// What is asked of the model of a run with the terms on.
-    pub fn asked(&self, run: usize, terms: &Terms) -> Asked {
-        let channels = self.channels.iter();
-        let sensors: Vec<Sensor> = channels.map(|it| self.sensor(&it.name, terms)).collect();
-        let readings = &self.logs[run].readings;
-        let first = readings.first().map_or(0.0, |reading| reading.time);
-        let times = readings
-            .iter()
-            .map(|it| sensors[it.channel].shows(it.time, first));
-        Asked {
-            times: times.collect(),
-            sensors,
-        }
-    }
 }
 
 #[cfg(test)]
