@@ -187,3 +187,72 @@ fn braked(rate: f64, push: f64, [dry, viscous, drag]: [f64; 3], inertia: f64, h:
 
 /// Any number.
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit;
+    use crate::layout::{Draw, Layout};
+    use crate::spec::Source;
+
+    /// Readings that a sensor with one fault makes, exact but for that.
+    fn read(layout: &Layout, kind: &dyn Kind, cause: usize, size: f64) -> Experiment {
+        let mut terms = Terms::off(kind.causes());
+        terms.set(cause, 0, size);
+        let mut read = layout.experiment.clone();
+        for (run, unknowns) in layout.unknowns.iter().enumerate() {
+            let values = kind.predict(run, &terms, unknowns).expect("a motion");
+            let mut rows = vec![0; kind.channels().len()];
+            for (reading, value) in kind.logs()[run].readings.iter().zip(values) {
+                let column = layout.column(&kind.channels()[reading.channel].name);
+                read.runs[run].values[column][rows[reading.channel]] = value;
+                rows[reading.channel] += 1;
+            }
+        }
+        read
+    }
+
+    /// Whoever corrects a column by what is said of its sensor, whether it is predicted or drives the
+    /// model, has data of which nothing is wrong.
+    #[test]
+    fn a_column_corrected_by_its_fault_is_right() {
+        let mut tried = 0;
+        let modelled = |sort: &Sort| matches!(sort.spec().synthesis.source, Source::Model);
+        for sort in Sort::ALL.into_iter().filter(modelled) {
+            let layout = Layout::new(sort, false, Some(2), &mut Draw::new(5));
+            let robot = sort
+                .spec()
+                .robot
+                .map(|name| saltus_robot::resolve(name, &[]));
+            let robot = robot.transpose().expect("built in");
+            let kind = build(&layout.experiment, robot.as_ref()).expect("a model");
+            for (k, cause) in kind.causes().iter().enumerate() {
+                let (Some(column), Some(fault)) = (&cause.column, cause.fault) else {
+                    continue;
+                };
+                let parameter = &cause.parameters[0];
+                let size = match fault {
+                    Fault::Gain => 1.1,
+                    Fault::Offset => 20.0 * parameter.scale,
+                    // A column that is late is not corrected row by row.
+                    Fault::Delay | Fault::Held => continue,
+                };
+                let mut data = read(&layout, kind.as_ref(), k, size);
+                let sensor = crate::sensor::Sensor::default().with(fault, size);
+                let column = data.column(column).expect("a column");
+                for run in &mut data.runs {
+                    for value in &mut run.values[column] {
+                        *value = sensor.truth(*value);
+                    }
+                }
+                let again = build(&data, robot.as_ref()).expect("a model");
+                let fit = fit::fit_none(again.as_ref(), &[0, 1]).expect("a fit");
+                let readings: usize = again.logs().iter().map(|log| log.readings.len()).sum();
+                let left = (fit.loss / readings as f64).sqrt();
+                assert!(left < 0.05, "{sort:?}, {}: {left} of the noise", cause.id);
+                tried += 1;
+            }
+        }
+        assert!(tried > 20, "{tried} faults");
+    }
+}

@@ -306,23 +306,6 @@ impl Firings {
         self.course(run, terms, unknowns)?.lands
     }
 
-    /// What a sensor of `column` makes of the pose, or of the outcome.
-    fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
-        let boom = pose.boom.unwrap_or_default();
-        match column {
-            Column::Position => pose.extension.0,
-            Column::Pressure => pose.pressure.0,
-            Column::Lean => pose.lean.0,
-            Column::Pivot => boom.pivot.0,
-            Column::Turn => boom.turn.0,
-            Column::Travel => pose.travel.0,
-            Column::Height => pose.height.0,
-            // The wheel turns with the boom, which stands still where there is none.
-            Column::Rate => pose.lean.1 + gyro * boom.turn.1 * boom.pivot.0.sin(),
-            Column::Distance | Column::Apex => f64::NAN,
-        }
-    }
-
     fn outcomes(&self, run: usize, terms: &Terms) -> Vec<f64> {
         let (robot, _) = self.at_work(run, terms);
         let rig = Rig::new(&robot).with(self.extra(terms));
@@ -348,6 +331,23 @@ impl Firings {
             });
         }
         out
+    }
+}
+
+/// What a sensor of `column` makes of the pose, or of the outcome.
+fn sensed(column: Column, pose: &Pose, gyro: f64) -> f64 {
+    let boom = pose.boom.unwrap_or_default();
+    match column {
+        Column::Position => pose.extension.0,
+        Column::Pressure => pose.pressure.0,
+        Column::Lean => pose.lean.0,
+        Column::Pivot => boom.pivot.0,
+        Column::Turn => boom.turn.0,
+        Column::Travel => pose.travel.0,
+        Column::Height => pose.height.0,
+        // The wheel turns with the boom, which stands still where there is none.
+        Column::Rate => pose.lean.1 + gyro * boom.turn.1 * boom.pivot.0.sin(),
+        Column::Distance | Column::Apex => f64::NAN,
     }
 }
 
@@ -505,7 +505,7 @@ impl Kind for Firings {
                 Column::Travel => from.travel.0,
                 _ => 0.0,
             };
-            self.sensed(column, &pose, gyro) - zero
+            sensed(column, &pose, gyro) - zero
         };
         let readings = self.data.logs[run].readings.iter();
         Some(readings.zip(&asked.times).map(truth).collect())
