@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use saltus_robot::Robot;
 
 use crate::prior::Prior;
+use crate::sensor::{Asked, Fault, Sensor};
 
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +95,8 @@ pub struct Cause {
     pub id: &'static str,
     /// The measured column that it is about, if it is about one.
     pub column: Option<String>,
+    /// In which way the sensor of that column is off, if that is what it is.
+    pub fault: Option<Fault>,
     /// What is estimated.
     pub parameters: Vec<Parameter>,
     /// What is known of it apart from the data: indices of what is reported, each with what is
@@ -125,6 +128,7 @@ impl Cause {
         Cause {
             id,
             column: None,
+            fault: None,
             parameters,
             priors: Vec::new(),
             form: Form::Direct,
@@ -139,9 +143,10 @@ impl Cause {
         self
     }
 
-    /// As one that is about a column.
-    pub(crate) fn of_column(mut self, column: &str) -> Cause {
+    /// As a fault of the sensor of a column.
+    pub(crate) fn of_column(mut self, column: &str, fault: Fault) -> Cause {
         self.column = Some(column.into());
+        self.fault = Some(fault);
         self
     }
 
@@ -280,6 +285,41 @@ pub struct Data {
     pub notes: Vec<String>,
 }
 
+impl Data {
+    /// The instrument of a column with the terms on.
+    pub fn sensor(&self, column: &str, terms: &Terms) -> Sensor {
+        let causes = self.causes.iter().enumerate();
+        let of = |(k, cause): (usize, &Cause)| {
+            let (fault, own) = (cause.fault?, cause.column.as_deref()?);
+            // Runs of machines that have nothing in common have columns of their own.
+            let is_own = column
+                .strip_suffix(own)
+                .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
+            is_own.then(|| (fault, terms.get(k, 0)))
+        };
+        causes
+            .filter_map(of)
+            .fold(Sensor::default(), |sensor, (fault, size)| {
+                sensor.with(fault, size)
+            })
+    }
+
+    /// What is asked of the model of a run with the terms on.
+    pub fn asked(&self, run: usize, terms: &Terms) -> Asked {
+        let channels = self.channels.iter();
+        let sensors: Vec<Sensor> = channels.map(|it| self.sensor(&it.name, terms)).collect();
+        let readings = &self.logs[run].readings;
+        let first = readings.first().map_or(0.0, |reading| reading.time);
+        let times = readings
+            .iter()
+            .map(|it| sensors[it.channel].shows(it.time, first));
+        Asked {
+            times: times.collect(),
+            sensors,
+        }
+    }
+}
+
 /// An experiment that was not done: one run of it, and which of its causes are those of the
 /// experiment that was.
 pub struct Proposal {
@@ -369,7 +409,27 @@ pub trait Kind: Sync {
     }
 
     /// What the model says of each reading of a run; none where it has no answer.
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>>;
+    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+        let data = self.data();
+        let asked = data.asked(run, terms);
+        let truths = self.truths(run, terms, unknowns, &asked)?;
+        let readings = data.logs[run].readings.iter().zip(truths);
+        let read = readings.map(|(it, truth)| asked.sensors[it.channel].reading(truth));
+        let all: Vec<f64> = read.collect();
+        all.iter().all(|x| x.is_finite()).then_some(all)
+    }
+
+    /// The truth behind each reading of a run, at the times that are asked; none where the model has
+    /// no answer.
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
+        self.inner()?.truths(run, terms, unknowns, asked)
+    }
 
     /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where
     /// no input is measured.

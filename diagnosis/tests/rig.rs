@@ -246,19 +246,30 @@ fn with(robot: &Robot, term: Term, value: f64) -> Robot {
     robot
 }
 
-/// Lean (rad), height, travel and extension (m) of `course` at `time` (s).
-fn at(course: &Course, time: f64, arm: f64) -> [f64; 4] {
+/// Time (s) over which a gyro's rate is compared, as the angle that it comes to.
+const GYRO: f64 = 0.01;
+
+/// What sensors read: lean (rad), height, travel and extension (m), turn and pivot of a boom (rad),
+/// and what the wheel's gyro says over 10 ms (rad).
+type Row = [f64; 7];
+
+/// What they read of `course` at `time` (s).
+fn at(course: &Course, time: f64) -> Row {
     let pose = course.at(time, &mut 0);
+    let boom = pose.boom.unwrap_or_default();
     [
         pose.lean.0,
         pose.height.0,
-        pose.turn.0 * arm,
+        pose.travel.0,
         pose.extension.0,
+        boom.turn.0,
+        boom.pivot.0,
+        GYRO * (pose.lean.1 + boom.turn.1 * boom.pivot.0.sin()),
     ]
 }
 
-/// Greatest difference of two poses.
-fn apart(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+/// Greatest difference of two rows.
+fn apart(a: &Row, b: &Row) -> f64 {
     a.iter()
         .zip(b)
         .map(|(a, b)| (a - b).abs())
@@ -276,14 +287,17 @@ fn jump(robot: &Robot, launch: &Launch, end: f64) -> Course {
 
 /// Poses of the multi-body simulation every 4 ms until it lands, falls over or has stood for 0.6 s,
 /// from the same start; soft ground carries it from there.
-fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, [f64; 4])> {
+fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, Row)> {
     let rig = sim_check::Rig::new(robot, &[]).expect("a rig");
     let (mut q, mut v) = rig.stand(launch.lean, launch.rate).expect("a start");
     let lean = rig.lean_coordinate();
     if robot.ground.stiffness.is_some() {
         let start = jump(robot, launch, 0.0).at(0.0, &mut 0);
-        (q[0], v[0]) = start.turn;
-        (q[1], v[1]) = start.pivot;
+        let of_boom = start.boom.map(|boom| [boom.turn, boom.pivot]);
+        let first = of_boom.unwrap_or([start.travel, start.height]);
+        for (k, (place, rate)) in first.into_iter().enumerate() {
+            (q[k], v[k]) = (place, rate);
+        }
     }
     let settings = Settings {
         penetration: 0.05,
@@ -326,10 +340,16 @@ fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, [f64; 4])> {
         if ends {
             break;
         }
-        found.push((
-            time,
-            [q[lean], height, travel, q[rig.extension_coordinate(0)]],
-        ));
+        let v = sim.velocities();
+        let [turn, pivot] = if robot.boom.is_some() {
+            [q[0], q[1]]
+        } else {
+            [0.0; 2]
+        };
+        let gyro = v[rig.lean_velocity()] + v[0] * pivot.sin();
+        let extension = q[rig.extension_coordinate(0)];
+        let row = [q[lean], height, travel, extension, turn, pivot, GYRO * gyro];
+        found.push((time, row));
     }
     found
 }
@@ -337,15 +357,14 @@ fn poses(robot: &Robot, launch: &Launch) -> Vec<(f64, [f64; 4])> {
 /// How far the two simulations of `robot` are apart, and how far the motion is from that of
 /// `plain`.
 fn compare(robot: &Robot, plain: &Robot, launch: &Launch) -> (f64, f64) {
-    let arm = |robot: &Robot| robot.boom.map_or(1.0, |boom| boom.length);
     let poses = poses(robot, launch);
     let end = poses.last().map_or(0.0, |(time, _)| *time);
     let (course, before) = (jump(robot, launch, end), jump(plain, launch, end));
     let (mut off, mut shows) = (0.0_f64, 0.0_f64);
     for (time, pose) in poses {
-        let found = at(&course, time, arm(robot));
+        let found = at(&course, time);
         off = off.max(apart(&found, &pose));
-        shows = shows.max(apart(&found, &at(&before, time, arm(plain))));
+        shows = shows.max(apart(&found, &at(&before, time)));
     }
     (off, shows)
 }
@@ -475,7 +494,7 @@ fn a_hop_from_rest_is_that_of_the_multi_body_simulation() {
             .expect("a hop");
         for (tick, [_, pivot, ..]) in flown.rows.iter().enumerate() {
             let time = sim_check::TICK * tick as f64;
-            let off = course.at(time, &mut 0).pivot.0 - pivot;
+            let off = course.at(time, &mut 0).boom.expect("a boom").pivot.0 - pivot;
             assert!(
                 off.abs() < 1e-6,
                 "{terms:?}, {opening} s: off by {off} rad at {time} s"

@@ -1,14 +1,15 @@
 //! A body in free flight or fall, or a robot in flight at the end of a boom.
 
-use super::{Causes, FREE, amount, causes, simple, unknown};
+use super::{Causes, FREE, amount, causes, delay, faults, gain, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
-use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::plausible::{Check, LENGTHS};
 use crate::prior::Prior;
+use crate::sensor::Asked;
 use crate::spec::{
     DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
     without,
@@ -116,7 +117,8 @@ impl Flights {
         }
         let left = |flights: &Flights| -> Option<Fit> {
             let mut model = fit::fit_none(flights, &runs)?;
-            for cause in (0..flights.data.listed).filter(|&c| flights.causes.0[c] != Effect::Share)
+            for cause in
+                (0..flights.data.listed).filter(|&c| flights.causes.0[c] != Some(Effect::Share))
             {
                 model = fit::fit_with(flights, &model, cause, &runs)?;
             }
@@ -135,9 +137,6 @@ enum Effect {
     Drag,
     Share,
     Gravity,
-    /// Of channel number k.
-    Scale(usize),
-    Delay(usize),
     /// Without a name.
     Linear,
     Lift,
@@ -172,33 +171,30 @@ fn named(
     gravity: f64,
     size_is_known: bool,
     on_boom: bool,
-) -> Vec<(Effect, Cause)> {
+) -> Vec<(Option<Effect>, Cause)> {
     let drag = if size_is_known {
         amount("air-drag", "drag_coefficient", 50.0, 0.05, &[0.3, 1.0])
     } else {
         amount("air-drag", "drag_per_m", 10.0, 1e-3, &[0.01, 0.1])
     };
-    let mut all = vec![(Effect::Drag, drag)];
+    let mut all = vec![(Some(Effect::Drag), drag)];
     if on_boom {
         // Less effective gravity and more inertia: both at once are one ratio.
         let (bounds, starts) = ((0.02, 2.0), [0.5]);
         let share = simple("counterweight", "gravity_share", 1.0, bounds, 0.01, &starts);
-        all.push((Effect::Share, share));
+        all.push((Some(Effect::Share), share));
     }
     let known = if on_boom { ON_A_RIG } else { IN_THE_OPEN };
     let starts = [0.5 * gravity];
     let name = "gravity_m_s2";
     let of_gravity = simple("gravity", name, gravity, (0.1, 40.0), 0.05, &starts);
     let (error, why) = known.gravity;
-    all.push((Effect::Gravity, of_gravity.usual(error, why)));
-    for (k, Channel { name, .. }) in channels.iter().enumerate() {
-        let (bounds, starts) = ((0.2, 5.0), [0.9, 1.1]);
-        let scale = simple("encoder-scale", "gain", 1.0, bounds, 0.01, &starts).of_column(name);
-        let (error, why) = known.scale;
-        all.push((Effect::Scale(k), scale.usual(error, why)));
+    all.push((Some(Effect::Gravity), of_gravity.usual(error, why)));
+    let (error, why) = known.scale;
+    for Channel { name, .. } in channels {
+        all.extend(faults([gain(name).usual(error, why)]));
         if channels.len() > 1 {
-            let delay = amount("sensor-delay", "delay_s", 0.5, 1e-3, &[0.01]);
-            all.push((Effect::Delay(k), delay.of_column(name)));
+            all.extend(faults([delay(name, 0.5, 1e-3)]));
         }
     }
     all
@@ -206,14 +202,14 @@ fn named(
 
 /// Terms without a name, of flights with so many channels; `viscous` is the drag in proportion to
 /// speed (1/s) of a body whose size is known.
-fn terms(channels: usize, viscous: Option<f64>) -> Vec<(Effect, Cause)> {
+fn terms(channels: usize, viscous: Option<f64>) -> Vec<(Option<Effect>, Cause)> {
     let term = |id, name, scale| simple(id, name, 0.0, (-50.0, 50.0), scale, &[]);
     let mut linear = term("acceleration -c v", "c_per_s", 1e-3);
     if let Some(viscous) = viscous {
         let prior = Prior::common(viscous, viscous, "the viscosity of air (Stokes)");
         linear.priors = vec![(0, prior)];
     }
-    let mut all = vec![(Effect::Linear, linear)];
+    let mut all = vec![(Some(Effect::Linear), linear)];
     if channels > 1 {
         all.extend(causes! {
             Effect::Lift => term("acceleration across the path, c v", "c_per_s", 1e-3);
@@ -301,7 +297,7 @@ impl Kind for Flights {
                 .iter()
                 .find(|cause| gravity(cause))
                 .cloned();
-            let listed = of_gravity.map(|cause| (Effect::Gravity, cause));
+            let listed = of_gravity.map(|cause| (Some(Effect::Gravity), cause));
             kind.causes = Causes::of(&mut kind.data, listed.into_iter().collect(), Vec::new());
             let what = format!(
                 "drop a heavy, small body by {height} m, free of the boom, its height measured by \
@@ -315,8 +311,13 @@ impl Kind for Flights {
         all
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let readings = &self.data.logs[run].readings;
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let (release, place, speed) = self.released(run, unknowns)?;
         let share = self.causes.or(Effect::Share, 1.0, terms);
         let motion = Motion {
@@ -325,28 +326,19 @@ impl Kind for Flights {
             pull: self.pull(run, terms),
         };
         let start = motion.start(release, place, speed);
-        let mut out = vec![0.0; readings.len()];
-        for (channel, &is_height) in self.is_height.iter().enumerate() {
-            let delay = self.causes.or(Effect::Delay(channel), 0.0, terms);
-            let scale = self.causes.or(Effect::Scale(channel), 1.0, terms);
-            let k = usize::from(is_height);
-            let mut path = start;
-            for (i, reading) in readings
-                .iter()
-                .enumerate()
-                .filter(|(_, r)| r.channel == channel)
-            {
-                let time = reading.time - delay;
-                // Before the first row it was on the same path, unless it was held.
-                let time = if self.is_drop {
-                    time.max(start.time)
-                } else {
-                    time
-                };
-                out[i] = scale * motion.seen_at(&mut path, time)[k];
-            }
-        }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        let mut paths = vec![start; self.is_height.len()];
+        let truth = |(reading, time): (&Reading, &f64)| {
+            // Before the first row it was on the same path, unless it was held.
+            let time = if self.is_drop {
+                time.max(start.time)
+            } else {
+                *time
+            };
+            let seen = motion.seen_at(&mut paths[reading.channel], time);
+            seen[usize::from(self.is_height[reading.channel])]
+        };
+        let readings = self.data.logs[run].readings.iter();
+        Some(readings.zip(&asked.times).map(truth).collect())
     }
 }
 

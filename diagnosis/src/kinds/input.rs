@@ -1,6 +1,7 @@
 //! A measured torque or force that drives a model.
 
 use crate::experiment::Run;
+use crate::sensor::Sensor;
 
 /// A measured course, linear between its rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,6 +25,14 @@ impl Input {
             .zip(run.values[column].iter().copied());
         let (time, values) = rows.filter(|(_, value)| value.is_finite()).unzip();
         Input { time, values }
+    }
+
+    /// The truth at `time` (s) that `sensor` has measured; `at` as in [`at`](Input::at).
+    pub(super) fn truth(&self, time: f64, sensor: &Sensor, at: &mut usize) -> f64 {
+        if self.time.is_empty() {
+            return 0.0;
+        }
+        sensor.truth(self.at(sensor.shown(time), at))
     }
 
     /// Its value at `time`, on the line between two rows; `at` is the last row before it, from which

@@ -19,6 +19,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
 use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows};
+use crate::sensor::Asked;
 use crate::spec::{
     Column, Domain, FORCE, LEAP_ON, PART, Problem, Source, Spec, Synthesis, TURN_ON, calm, noisy,
     without,
@@ -226,45 +227,41 @@ impl Kind for Motions {
         self.runs[run].group
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let mechanism = &self.mechanisms[self.runs[run].mechanism];
-        let change = Change::of((&self.mechanisms[0], mechanism), &self.causes, terms);
-        let plant = Plant::new(mechanism, change)?;
+        let both = (&self.mechanisms[0], mechanism);
+        let plant = Plant::new(mechanism, Change::of(both, &self.causes, &self.data, terms))?;
         let n = mechanism.links.len();
         let (mut q, mut v) = (unknowns[..n].to_vec(), unknowns[n..].to_vec());
-        for (channel, gauge) in mechanism.gauges.iter().enumerate() {
+        for (channel, (gauge, sensor)) in mechanism.gauges.iter().zip(&asked.sensors).enumerate() {
             // The start is what the sensor says.
             if let Shows::Coordinate(k) = gauge.shows
                 && self.starts[run].sensors[k] == Some(channel)
             {
-                let scale = self.causes.or(Effect::Scale(channel), 1.0, terms);
-                q[k] = (q[k] - self.causes.or(Effect::Offset(channel), 0.0, terms)) / scale;
-                v[k] /= scale;
+                q[k] = sensor.truth(q[k]);
+                v[k] /= sensor.gain;
             }
         }
         let log = &self.data.logs[run];
         let course = plant.run((&q, &v), log, &self.inputs[run], self.step)?;
         let mut out = vec![0.0; log.readings.len()];
-        for channel in 0..self.data.channels.len() {
-            let value = |effect, none| self.causes.or(effect, none, terms);
-            let scale = value(Effect::Scale(channel), 1.0);
-            let offset = value(Effect::Offset(channel), 0.0);
-            let late = value(Effect::Delay(channel), 0.0);
-            let shows = mechanism.gauges[channel].shows;
-            let shown: Vec<[f64; 2]> = course
-                .rows
-                .iter()
-                .map(|row| plant.shown(shows, row))
-                .collect();
+        for (channel, gauge) in mechanism.gauges.iter().enumerate() {
+            let rows = course.rows.iter();
+            let shown: Vec<[f64; 2]> = rows.map(|row| plant.shown(gauge.shows, row)).collect();
             let mut at = 0;
             for (i, reading) in log.readings.iter().enumerate() {
                 if reading.channel == channel {
-                    let exact = course.at(&shown, reading.time - late, &mut at);
-                    out[i] = scale * exact + offset;
+                    out[i] = course.at(&shown, asked.times[i], &mut at);
                 }
             }
         }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        Some(out)
     }
 
     fn stronger(&self) -> String {

@@ -31,6 +31,7 @@ use saltus_robot::Robot;
 
 use crate::experiment::{Experiment, Sort};
 use crate::kind::{Cause, Data, Kind, Parameter, Terms};
+use crate::sensor::Fault;
 pub use crate::spec::Problem;
 use crate::spec::Spec;
 
@@ -82,13 +83,18 @@ pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn K
     (experiment.kind.spec().model)(experiment, robot)
 }
 
-/// What each cause of an experiment does in the model of its kind.
+/// What each cause of an experiment does in the model of its kind; none for faults of sensors, of
+/// which a model knows nothing.
 #[derive(Clone, Debug)]
-struct Causes<E>(Vec<E>);
+struct Causes<E>(Vec<Option<E>>);
 
 impl<E: Copy + PartialEq> Causes<E> {
     /// Puts causes, the listed ones and the terms without a name, into `data`.
-    fn of(data: &mut Data, listed: Vec<(E, Cause)>, terms: Vec<(E, Cause)>) -> Causes<E> {
+    fn of(
+        data: &mut Data,
+        listed: Vec<(Option<E>, Cause)>,
+        terms: Vec<(Option<E>, Cause)>,
+    ) -> Causes<E> {
         data.listed = listed.len();
         let (effects, causes) = listed.into_iter().chain(terms).unzip();
         data.causes = causes;
@@ -97,7 +103,7 @@ impl<E: Copy + PartialEq> Causes<E> {
 
     /// Parameter `p` of an effect; none where the experiment has no such cause.
     fn get(&self, effect: E, p: usize, terms: &Terms) -> Option<f64> {
-        let cause = self.0.iter().position(|own| *own == effect)?;
+        let cause = self.0.iter().position(|own| *own == Some(effect))?;
         Some(terms.get(cause, p))
     }
 
@@ -109,9 +115,14 @@ impl<E: Copy + PartialEq> Causes<E> {
 
 /// A table of causes: a row for each, of what it does and what it is.
 macro_rules! causes {
-    ($($effect:expr => $cause:expr;)+) => { vec![$(($effect, $cause)),+] };
+    ($($effect:expr => $cause:expr;)+) => { vec![$((Some($effect), $cause)),+] };
 }
 use causes;
+
+/// Causes that are faults of sensors.
+fn faults<E>(causes: impl IntoIterator<Item = Cause>) -> impl Iterator<Item = (Option<E>, Cause)> {
+    causes.into_iter().map(|cause| (None, cause))
+}
 
 /// A cause with one parameter.
 fn simple(
@@ -138,18 +149,19 @@ fn share(id: &'static str, name: &str, scale: f64) -> Cause {
 /// A column that is off by a number of this unit.
 fn offset(column: &str, unit: &str, bounds: (f64, f64), scale: f64) -> Cause {
     let name = format!("offset_{unit}");
-    simple("sensor-offset", &name, 0.0, bounds, scale, &[]).of_column(column)
+    simple("sensor-offset", &name, 0.0, bounds, scale, &[]).of_column(column, Fault::Offset)
 }
 
 /// A column that reads too much or too little in proportion.
 fn gain(column: &str) -> Cause {
     let gain = simple("encoder-scale", "gain", 1.0, (0.2, 5.0), 0.01, &[]);
-    gain.of_column(column).usual(0.05, "sensors are calibrated")
+    gain.of_column(column, Fault::Gain)
+        .usual(0.05, "sensors are calibrated")
 }
 
 /// A column that is late, by `most` (s) at most.
 fn delay(column: &str, most: f64, scale: f64) -> Cause {
-    amount("sensor-delay", "delay_s", most, scale, &[]).of_column(column)
+    amount("sensor-delay", "delay_s", most, scale, &[]).of_column(column, Fault::Delay)
 }
 
 /// An unknown of a run, free but for `bounds`.
@@ -175,3 +187,72 @@ fn braked(rate: f64, push: f64, [dry, viscous, drag]: [f64; 3], inertia: f64, h:
 
 /// Any number.
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit;
+    use crate::layout::{Draw, Layout};
+    use crate::spec::Source;
+
+    /// Readings that a sensor with one fault makes, exact but for that.
+    fn read(layout: &Layout, kind: &dyn Kind, cause: usize, size: f64) -> Experiment {
+        let mut terms = Terms::off(kind.causes());
+        terms.set(cause, 0, size);
+        let mut read = layout.experiment.clone();
+        for (run, unknowns) in layout.unknowns.iter().enumerate() {
+            let values = kind.predict(run, &terms, unknowns).expect("a motion");
+            let mut rows = vec![0; kind.channels().len()];
+            for (reading, value) in kind.logs()[run].readings.iter().zip(values) {
+                let column = layout.column(&kind.channels()[reading.channel].name);
+                read.runs[run].values[column][rows[reading.channel]] = value;
+                rows[reading.channel] += 1;
+            }
+        }
+        read
+    }
+
+    /// Whoever corrects a column by what is said of its sensor, whether it is predicted or drives the
+    /// model, has data of which nothing is wrong.
+    #[test]
+    fn a_column_corrected_by_its_fault_is_right() {
+        let mut tried = 0;
+        let modelled = |sort: &Sort| matches!(sort.spec().synthesis.source, Source::Model);
+        for sort in Sort::ALL.into_iter().filter(modelled) {
+            let layout = Layout::new(sort, false, Some(2), &mut Draw::new(5));
+            let robot = sort
+                .spec()
+                .robot
+                .map(|name| saltus_robot::resolve(name, &[]));
+            let robot = robot.transpose().expect("built in");
+            let kind = build(&layout.experiment, robot.as_ref()).expect("a model");
+            for (k, cause) in kind.causes().iter().enumerate() {
+                let (Some(column), Some(fault)) = (&cause.column, cause.fault) else {
+                    continue;
+                };
+                let parameter = &cause.parameters[0];
+                let size = match fault {
+                    Fault::Gain => 1.1,
+                    Fault::Offset => 20.0 * parameter.scale,
+                    // A column that is late is not corrected row by row.
+                    Fault::Delay | Fault::Held => continue,
+                };
+                let mut data = read(&layout, kind.as_ref(), k, size);
+                let sensor = crate::sensor::Sensor::default().with(fault, size);
+                let column = data.column(column).expect("a column");
+                for run in &mut data.runs {
+                    for value in &mut run.values[column] {
+                        *value = sensor.truth(*value);
+                    }
+                }
+                let again = build(&data, robot.as_ref()).expect("a model");
+                let fit = fit::fit_none(again.as_ref(), &[0, 1]).expect("a fit");
+                let readings: usize = again.logs().iter().map(|log| log.readings.len()).sum();
+                let left = (fit.loss / readings as f64).sqrt();
+                assert!(left < 0.05, "{sort:?}, {}: {left} of the noise", cause.id);
+                tried += 1;
+            }
+        }
+        assert!(tried > 20, "{tried} faults");
+    }
+}

@@ -9,10 +9,11 @@ use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
 use super::input::Input;
-use super::{Causes, FREE, braked, causes, delay, gain, offset, share, simple, unknown};
+use super::{Causes, FREE, braked, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
+use crate::sensor::Asked;
 use crate::spec::{
     Domain, LOAD, PART, Problem, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy,
     optional, required, without,
@@ -138,12 +139,6 @@ enum Effect {
     Dry,
     Viscous,
     Drag,
-    AngleOffset,
-    AngleScale,
-    AngleDelay,
-    TorqueOffset,
-    TorqueScale,
-    TorqueDelay,
     Spring,
     Second,
 }
@@ -262,7 +257,7 @@ fn likely_inertia(log: &Log, torque: &Input, body: &Body) -> Option<f64> {
 
 /// The inertia (kg m²) about the axis of a body of which nobody knows it, at first the median of
 /// what the runs tell.
-fn about_axis(body: &Body, likely: &mut [f64]) -> (Effect, Cause) {
+fn about_axis(body: &Body, likely: &mut [f64]) -> (Option<Effect>, Cause) {
     let point = body.about_axis();
     let bounds = (0.1 * point, 100.0 * point);
     let first = if likely.is_empty() {
@@ -272,47 +267,50 @@ fn about_axis(body: &Body, likely: &mut [f64]) -> (Effect, Cause) {
     };
     let name = "inertia_about_axis_kg_m2";
     let inertia = simple("inertia", name, first, bounds, 0.02 * point, &[]);
-    (Effect::AboutAxis, inertia)
+    (Some(Effect::AboutAxis), inertia)
 }
 
 /// The listed causes.
-fn named(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
+fn named(body: &Body, is_driven: bool) -> Vec<(Option<Effect>, Cause)> {
     let mut all = of_mass(body, is_driven);
     all.extend(of_friction(body));
-    all.extend(causes! {
-        Effect::AngleOffset => offset("angle_rad", "rad", (-1.0, 1.0), 1e-3);
-        Effect::AngleScale => gain("angle_rad");
-    });
+    all.extend(faults([
+        offset("angle_rad", "rad", (-1.0, 1.0), 1e-3),
+        gain("angle_rad"),
+    ]));
     if is_driven {
-        all.extend(causes! {
-            Effect::AngleDelay => delay("angle_rad", 0.5, 1e-3);
-            Effect::TorqueOffset => offset("torque_nm", "nm", FREE, 1e-3 * body.size());
-            Effect::TorqueScale => gain("torque_nm");
-            Effect::TorqueDelay => delay("torque_nm", 0.5, 1e-3);
-        });
+        all.extend(faults([
+            delay("angle_rad", 0.5, 1e-3),
+            offset("torque_nm", "nm", FREE, 1e-3 * body.size()),
+            gain("torque_nm"),
+            delay("torque_nm", 0.5, 1e-3),
+        ]));
     }
     all
 }
 
 /// Causes that are masses and where they are.
-fn of_mass(body: &Body, is_driven: bool) -> Vec<(Effect, Cause)> {
+fn of_mass(body: &Body, is_driven: bool) -> Vec<(Option<Effect>, Cause)> {
     let mut all = Vec::new();
     if body.inertia.is_some() {
-        all.push((Effect::Inertia, share("inertia", "inertia_share", 0.01)));
+        all.push((
+            Some(Effect::Inertia),
+            share("inertia", "inertia_share", 0.01),
+        ));
     }
     if body.inertia.is_some() || is_driven {
         let lever = body.lever();
         let (bounds, starts) = ((-20.0 * lever, 20.0 * lever), [-0.2 * lever, 0.2 * lever]);
         let (name, scale) = ("imbalance_m", 0.01 * lever);
         let centre = simple("imbalance", name, 0.0, bounds, scale, &starts);
-        all.push((Effect::Centre, centre));
-        all.push((Effect::Mass, share("mass", "mass_share", 0.02)));
+        all.push((Some(Effect::Centre), centre));
+        all.push((Some(Effect::Mass), share("mass", "mass_share", 0.02)));
     }
     all
 }
 
 /// Causes that brake.
-fn of_friction(body: &Body) -> Vec<(Effect, Cause)> {
+fn of_friction(body: &Body) -> Vec<(Option<Effect>, Cause)> {
     let size = body.size();
     let rate = (size / body.about_axis().max(1e-9)).sqrt();
     let friction = |id, name, unit: f64| {
@@ -328,7 +326,7 @@ fn of_friction(body: &Body) -> Vec<(Effect, Cause)> {
 }
 
 /// Terms without a name.
-fn terms(body: &Body) -> Vec<(Effect, Cause)> {
+fn terms(body: &Body) -> Vec<(Option<Effect>, Cause)> {
     let size = body.size();
     let bounds = (-100.0 * size, 100.0 * size);
     let term = |id, name| simple(id, name, 0.0, bounds, 1e-3 * size, &[]);
@@ -410,44 +408,36 @@ impl Kind for Pendulums {
         "longer runs, some of them let go from a larger angle".into()
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let value = |effect, none| self.causes.or(effect, none, terms);
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let swing = self.swing(run, terms);
-        let (scale, offset) = (
-            value(Effect::AngleScale, 1.0),
-            value(Effect::AngleOffset, 0.0),
-        );
-        let (late, torque_late) = (
-            value(Effect::AngleDelay, 0.0),
-            value(Effect::TorqueDelay, 0.0),
-        );
-        let (gain, bias) = (
-            value(Effect::TorqueScale, 1.0),
-            value(Effect::TorqueOffset, 0.0),
-        );
-        let (readings, torque) = (&self.data.logs[run].readings, &self.torques[run]);
-        let (mut now, mut at) = (readings.first()?.time, 0);
-        let mut state = [(unknowns[0] - offset) / scale, unknowns[1]];
+        let (torque, gauge) = (&self.torques[run], self.data.sensor("torque_nm", terms));
+        let (mut now, mut at) = (self.data.logs[run].readings.first()?.time, 0);
+        let mut state = [asked.sensors[0].truth(unknowns[0]), unknowns[1]];
         let longest = swing.step();
         if longest.is_nan() || longest < 1e-6 {
             return None;
         }
-        let mut out = Vec::with_capacity(readings.len());
-        for reading in readings {
-            let left = (reading.time - late - now).max(0.0);
+        let mut out = Vec::with_capacity(asked.times.len());
+        for time in &asked.times {
+            let left = (time - now).max(0.0);
             // As many steps as the longest allows.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let count = (left / longest).ceil() as usize;
             let h = left / count.max(1) as f64;
             for _ in 0..count {
-                // A late sensor shows now what was before.
-                let seen = now + 0.5 * h + torque_late;
-                state = swing.go(state, gain * torque.at(seen, &mut at) + bias, h);
+                let torque = torque.truth(now + 0.5 * h, &gauge, &mut at);
+                state = swing.go(state, torque, h);
                 now += h;
             }
-            out.push(scale * state[0] + offset);
+            out.push(state[0]);
         }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        Some(out)
     }
 }
 

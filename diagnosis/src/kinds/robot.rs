@@ -7,14 +7,14 @@ use std::sync::Arc;
 
 use saltus_numeric::statistics::median;
 use saltus_robot::{Drive, GaugePressure, Robot};
-use terms::{Effect, Sensor};
+use terms::Effect;
 
 use super::unknown;
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::Proposal;
-use crate::kind::{Data, Kind, Log, Parameter, Terms};
+use crate::kind::{Cause, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::noise;
 use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
+use crate::sensor::{Asked, Fault};
 use crate::spec::Problem;
 
 /// Firings of a robot, or of one of its legs.
@@ -159,23 +159,20 @@ impl Firings {
         let mut firings = Firings::new(strides, robot)?;
         firings.aloft = Some(aloft);
         firings.from_axle = false;
-        let is_none = |effect: &Effect| match effect {
-            Effect::Sensor(_, Sensor::HeldDelay) => true,
-            Effect::Sensor(channel, Sensor::Offset) => {
-                matches!(firings.columns[*channel], Column::Turn | Column::Travel)
+        let is_there = |cause: &Cause| match cause.fault {
+            Some(Fault::Held) => false,
+            Some(Fault::Offset) => {
+                let column = cause.column.as_deref().and_then(Column::named);
+                !matches!(column, Some(Column::Turn | Column::Travel))
             }
-            _ => false,
+            _ => true,
         };
-        let is_there: Vec<bool> = firings.effects.iter().map(|e| !is_none(e)).collect();
         let data = &mut firings.data;
-        data.listed = is_there[..data.listed].iter().filter(|is| **is).count();
-        let mut keep = is_there.iter();
-        firings.effects.retain(|_| *keep.next().unwrap_or(&true));
-        let mut keep = is_there.iter();
-        firings
-            .data
-            .causes
-            .retain(|_| *keep.next().unwrap_or(&true));
+        let kept: Vec<bool> = data.causes.iter().map(is_there).collect();
+        data.listed = kept[..data.listed].iter().filter(|is| **is).count();
+        data.causes.retain(is_there);
+        let mut kept = kept.into_iter();
+        firings.effects.retain(|_| kept.next().unwrap_or(true));
         Ok(firings)
     }
 
@@ -245,7 +242,7 @@ impl Firings {
                 Effect::Robot(apply) => apply(robot, values),
                 Effect::LoadFactor => *load *= values[0],
                 Effect::LoadAdded => *load = (*load + values[0]).max(1e-3),
-                Effect::Extra(_) | Effect::Sensor(..) => {}
+                Effect::Extra(_) | Effect::None => {}
             }
         }
     }
@@ -309,42 +306,9 @@ impl Firings {
         self.course(run, terms, unknowns)?.lands
     }
 
-    /// What a sensor of `column` makes of the pose, or of the outcome.
-    fn sensed(&self, column: Column, pose: &Pose, gyro: f64) -> f64 {
-        match column {
-            Column::Position => pose.extension.0,
-            Column::Pressure => pose.pressure.0,
-            Column::Lean => pose.lean.0,
-            Column::Pivot => pose.pivot.0,
-            Column::Turn => pose.turn.0,
-            Column::Travel => pose.turn.0 * self.arm(),
-            Column::Height => pose.height.0,
-            Column::Rate => pose.lean.1 + gyro * pose.turn.1 * pose.pivot.0.sin(),
-            Column::Distance | Column::Apex => f64::NAN,
-        }
-    }
-
-    /// Gain, offset, delay and delay from a held first value of each channel.
-    pub(super) fn sensors(&self, terms: &Terms) -> Vec<[f64; 4]> {
-        let mut all = vec![[1.0, 0.0, 0.0, 0.0]; self.data.channels.len()];
-        for (k, effect) in self.effects.iter().enumerate() {
-            if let Effect::Sensor(channel, what) = effect {
-                let value = terms.get(k, 0);
-                match what {
-                    Sensor::Gain => all[*channel][0] = value,
-                    Sensor::Offset => all[*channel][1] = value,
-                    Sensor::Delay => all[*channel][2] = value,
-                    Sensor::HeldDelay => all[*channel][3] = value,
-                }
-            }
-        }
-        all
-    }
-
     fn outcomes(&self, run: usize, terms: &Terms) -> Vec<f64> {
         let (robot, _) = self.at_work(run, terms);
         let rig = Rig::new(&robot).with(self.extra(terms));
-        let sensors = self.sensors(terms);
         let mut last: Option<(f64, (f64, f64))> = None;
         let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
         for reading in &self.data.logs[run].readings {
@@ -360,15 +324,30 @@ impl Firings {
                 }
             };
             last = Some((reading.time, outcome));
-            let value = if self.columns[reading.channel] == Column::Apex {
+            out.push(if self.columns[reading.channel] == Column::Apex {
                 outcome.0
             } else {
                 outcome.1
-            };
-            let [gain, offset, ..] = sensors[reading.channel];
-            out.push(gain * value + offset);
+            });
         }
         out
+    }
+}
+
+/// What a sensor of `column` makes of the pose, or of the outcome.
+fn sensed(column: Column, pose: &Pose, gyro: f64) -> f64 {
+    let boom = pose.boom.unwrap_or_default();
+    match column {
+        Column::Position => pose.extension.0,
+        Column::Pressure => pose.pressure.0,
+        Column::Lean => pose.lean.0,
+        Column::Pivot => boom.pivot.0,
+        Column::Turn => boom.turn.0,
+        Column::Travel => pose.travel.0,
+        Column::Height => pose.height.0,
+        // The wheel turns with the boom, which stands still where there is none.
+        Column::Rate => pose.lean.1 + gyro * boom.turn.1 * boom.pivot.0.sin(),
+        Column::Distance | Column::Apex => f64::NAN,
     }
 }
 
@@ -496,41 +475,40 @@ impl Kind for Firings {
         }
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         if self.sort == Sort::Outcomes {
             return Some(self.outcomes(run, terms));
         }
         let course = self.course(run, terms, unknowns)?;
-        let sensors = self.sensors(terms);
         let gyro = match self.aloft {
             Some(_) => -1.0,
             None => unknowns.get(GYRO).copied().unwrap_or(1.0),
         };
+        let start = course.at(0.0, &mut 0);
         let from = if self.from_axle {
-            course.at(0.0, &mut 0).turn.0
+            start
         } else {
-            0.0
+            Pose::default()
         };
         let mut places = vec![0; self.data.channels.len()];
-        let readings = &self.data.logs[run].readings;
-        let first = readings.first()?.time;
-        Some(
-            readings
-                .iter()
-                .map(|r| {
-                    let [gain, offset, delay, held] = sensors[r.channel];
-                    let time = (r.time - held).max(first);
-                    let pose = course.at(time - delay, &mut places[r.channel]);
-                    let column = self.columns[r.channel];
-                    let zero = match column {
-                        Column::Turn => from,
-                        Column::Travel => from * self.arm(),
-                        _ => 0.0,
-                    };
-                    gain * (self.sensed(column, &pose, gyro) - zero) + offset
-                })
-                .collect(),
-        )
+        let truth = |(reading, time): (&Reading, &f64)| {
+            let pose = course.at(*time, &mut places[reading.channel]);
+            let column = self.columns[reading.channel];
+            let zero = match column {
+                Column::Turn => from.boom.unwrap_or_default().turn.0,
+                Column::Travel => from.travel.0,
+                _ => 0.0,
+            };
+            sensed(column, &pose, gyro) - zero
+        };
+        let readings = self.data.logs[run].readings.iter();
+        Some(readings.zip(&asked.times).map(truth).collect())
     }
 
     fn phases(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Vec<(&'static str, f64)> {

@@ -22,6 +22,7 @@ use crate::fit::{self, DIFFERENCE, Fit, STEPS};
 use crate::kind::{Data, Kind, Parameter, Terms};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
+use crate::sensor::Asked;
 use crate::spec::{
     Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
     Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
@@ -327,13 +328,20 @@ impl Kind for Strides {
         all
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let mut all = self.firings.predict(run, terms, unknowns)?;
-        let sensors = self.firings.sensors(terms);
-        let gain = |channel: Option<usize>| channel.map_or(1.0, |k| sensors[k][0]);
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
+        let mut all = self.firings.truths(run, terms, unknowns, asked)?;
         // What the encoder's scale makes of the turns before this stride.
-        let turned = (gain(self.wheel) - 1.0) * self.bases[run];
-        let foot = gain(self.place) * self.foot(unknowns);
+        let turned = self.wheel.map_or(0.0, |k| {
+            let sensor = &asked.sensors[k];
+            self.bases[run] * (1.0 - 1.0 / sensor.gain)
+        });
+        let foot = self.foot(unknowns);
         for (value, reading) in all.iter_mut().zip(&self.logs()[run].readings) {
             if Some(reading.channel) == self.wheel {
                 *value += turned;

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use saltus_numeric::hermite;
 
-use super::{Causes, FREE, amount, braked, causes, gain, offset, share, unknown};
+use super::{Causes, FREE, amount, braked, causes, delay, faults, gain, offset, share, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
+use crate::sensor::Asked;
 use crate::spec::{
     FORCE, LOAD, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, optional,
 };
@@ -89,15 +90,9 @@ enum Effect {
     Drag,
     Spring,
     Mass,
-    ForceOffset,
-    ForceDelay,
-    ForceScale,
-    PositionDelay,
-    PositionScale,
 }
 
-fn listed(mass_is_known: bool) -> Vec<(Effect, Cause)> {
-    let delay = |column| amount("sensor-delay", "delay_s", 0.5, 1e-3, &[0.01]).of_column(column);
+fn listed(mass_is_known: bool) -> Vec<(Option<Effect>, Cause)> {
     let viscous = "viscous_friction_n_s_per_m";
     let spring = vec![
         unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
@@ -108,16 +103,16 @@ fn listed(mass_is_known: bool) -> Vec<(Effect, Cause)> {
         Effect::Viscous => amount("viscous-friction", viscous, 1e6, 0.5, &[1.0, 10.0]);
         Effect::Drag => amount("air-drag", "drag_n_s2_per_m2", 1e5, 0.1, &[1.0]);
         Effect::Spring => Cause::several("return-spring", spring);
-        Effect::ForceOffset => offset("force_n", "n", FREE, 0.1);
-        Effect::PositionDelay => delay("position_m");
-        Effect::ForceDelay => delay("force_n");
-        Effect::PositionScale => gain("position_m");
     };
+    all.extend(faults([
+        offset("force_n", "n", FREE, 0.1),
+        delay("position_m", 0.5, 1e-3),
+        delay("force_n", 0.5, 1e-3),
+        gain("position_m"),
+    ]));
     if mass_is_known {
-        all.extend(causes! {
-            Effect::ForceScale => gain("force_n");
-            Effect::Mass => share("mass", "mass_share", 0.02);
-        });
+        all.extend(faults([gain("force_n")]));
+        all.push((Some(Effect::Mass), share("mass", "mass_share", 0.02)));
     }
     all
 }
@@ -222,39 +217,34 @@ impl Kind for Slides {
         Some(self.data.logs[run].readings.iter().map(moved).collect())
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
         let guide = self.guide(run, terms, unknowns)?;
-        let value = |effect, none| self.causes.or(effect, none, terms);
-        let (offset, force_scale) = (
-            value(Effect::ForceOffset, 0.0),
-            value(Effect::ForceScale, 1.0),
-        );
-        let (delay, force_delay) = (
-            value(Effect::PositionDelay, 0.0),
-            value(Effect::ForceDelay, 0.0),
-        );
-        let scale = value(Effect::PositionScale, 1.0);
+        let gauge = self.data.sensor("force_n", terms);
         let mut state = [unknowns[0], unknowns[1]];
         let (mut now, mut at) = (*drive.time.first()?, 0);
         // A stiff spring swings fast.
         let step = STEP.min(0.3 * (guide.mass / guide.stiffness).sqrt());
-        let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
-        for reading in &self.data.logs[run].readings {
-            let until = reading.time - delay;
+        let mut out = Vec::with_capacity(asked.times.len());
+        for &until in &asked.times {
             while now < until {
                 let h = step.min(until - now);
-                // A late sensor shows now what was before.
-                let seen = now + 0.5 * h + force_delay;
+                let seen = gauge.shown(now + 0.5 * h);
                 while at + 1 < drive.time.len() && drive.time[at + 1] <= seen {
                     at += 1;
                 }
-                state = guide.go(state, force_scale * drive.between(at, seen) + offset, h);
+                state = guide.go(state, gauge.truth(drive.between(at, seen)), h);
                 now += h;
             }
-            out.push(scale * state[0]);
+            out.push(state[0]);
         }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        Some(out)
     }
 }
 
@@ -340,14 +330,14 @@ mod tests {
     fn a_constant_force_makes_a_parabola() {
         let parabola = |t: f64| 0.1 + 0.4 * t + 0.5 * 3.0 / MASS * t * t;
         check(&moved(3.0, 0.4, &[]), 1e-12, parabola);
-        // The same force, believed half as large or 2 N less; a mass believed half as large.
+        // The same force, read half as large or 2 N less; a mass believed half as large.
         check(
-            &moved(1.5, 0.4, &[("encoder-scale@force_n", 0, 2.0)]),
+            &moved(1.5, 0.4, &[("encoder-scale@force_n", 0, 0.5)]),
             1e-12,
             parabola,
         );
         check(
-            &moved(1.0, 0.4, &[("sensor-offset", 0, 2.0)]),
+            &moved(1.0, 0.4, &[("sensor-offset", 0, -2.0)]),
             1e-12,
             parabola,
         );

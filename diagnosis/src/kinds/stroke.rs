@@ -4,12 +4,13 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use saltus_numeric::statistics::quantile;
 
-use super::{Causes, FREE, amount, causes, gain, offset, unknown};
+use super::{Causes, FREE, amount, causes, faults, gain, offset, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::plausible::{Check, FORCES};
+use crate::sensor::Asked;
 use crate::spec::{
     BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy,
     required,
@@ -77,24 +78,22 @@ enum Effect {
     Seal,
     Viscous,
     Spring,
-    Offset,
-    Scale,
 }
 
-fn listed() -> Vec<(Effect, Cause)> {
+fn listed() -> Vec<(Option<Effect>, Cause)> {
     let viscous = "viscous_friction_n_s_per_m";
     let spring = vec![
         unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
         unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
     ];
-    causes! {
+    let mut all = causes! {
         Effect::Coulomb => amount("coulomb-friction", "coulomb_friction_n", 1e4, 0.5, &[1.0]);
         Effect::Seal => amount("seal-friction", "seal_friction_n_per_pa", 1.0, 1e-6, &[1e-5]);
         Effect::Viscous => amount("viscous-friction", viscous, 1e6, 1.0, &[10.0]);
         Effect::Spring => Cause::several("return-spring", spring);
-        Effect::Offset => offset("force_n", "n", FREE, 0.5);
-        Effect::Scale => gain("force_n");
-    }
+    };
+    all.extend(faults([offset("force_n", "n", FREE, 0.5), gain("force_n")]));
+    all
 }
 
 /// What drives the rows of a run that have a force; empty cells of the others are bridged.
@@ -166,7 +165,7 @@ impl Kind for Strokes {
 
     /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within
     /// the presliding way), less a spring that grows as the rod extends.
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    fn truths(&self, run: usize, terms: &Terms, unknowns: &[f64], _: &Asked) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
         let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
@@ -174,7 +173,6 @@ impl Kind for Strokes {
         let (coulomb, seal) = (of(Effect::Coulomb, 0)?, of(Effect::Seal, 0)?);
         let viscous = of(Effect::Viscous, 0)?;
         let (stiffness, preload) = (of(Effect::Spring, 0)?, of(Effect::Spring, 1)?);
-        let (scale, offset) = (of(Effect::Scale, 0)?, of(Effect::Offset, 0)?);
         let mut last = drive.motion.first()?.0;
         let out: Vec<f64> = drive
             .motion
@@ -187,11 +185,10 @@ impl Kind for Strokes {
                 state = end + (state - end) * (-moved.abs() / way).exp();
                 let dry = coulomb + seal * pressure.max(0.0);
                 let spring = stiffness * (self.retracted - x) + preload;
-                let force = pressure * area + state * dry + viscous * speed - spring;
-                scale * force + offset
+                pressure * area + state * dry + viscous * speed - spring
             })
             .collect();
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        Some(out)
     }
 }
 

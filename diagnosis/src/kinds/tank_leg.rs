@@ -16,8 +16,9 @@ use saltus_robot::units::{Quantity, Unit};
 
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Sort};
-use crate::kind::{Data, Kind, Log, Parameter, Terms};
+use crate::kind::{Data, Kind, Log, Parameter, Reading, Terms};
 use crate::recent::Recent;
+use crate::sensor::Asked;
 use crate::spec::{
     Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
     TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
@@ -282,38 +283,25 @@ impl Kind for Flights {
         all
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let log = &self.data.logs[run];
         let last = log.readings.last()?.time;
-        let value = |effect, none| self.causes.or(effect, none, terms);
-        let sensor = |gauge: &Gauge| {
-            [
-                value(Effect::Delay(*gauge), 0.0),
-                value(Effect::Scale(*gauge), 1.0),
-                value(Effect::Offset(*gauge), 0.0),
-            ]
-        };
-        let sensors: Vec<[f64; 3]> = self.gauges.iter().map(sensor).collect();
         // A gauge that is off is so at the start as well.
-        let [_, scale, offset] = sensor(&Gauge::Tank);
-        let start = (unknowns[0] - offset) / scale;
+        let tank = self.gauges.iter().position(|gauge| *gauge == Gauge::Tank)?;
+        let start = asked.sensors[tank].truth(unknowns[0]);
         let course = self.course(run, self.changed(terms), start, last)?;
-        let out: Vec<f64> = log
-            .readings
-            .iter()
-            .map(|reading| {
-                let gauge = self.gauges[reading.channel];
-                let [delay, scale, offset] = sensors[reading.channel];
-                let time = reading.time - delay;
-                let exact = match gauge {
-                    Gauge::Tank => course.tank(time),
-                    Gauge::Muscle(k) => course.muscle(k, time) + unknowns[1],
-                    Gauge::Center(k) => course.center(k, time) + unknowns[self.off(k)],
-                };
-                scale * exact + offset
-            })
-            .collect();
-        out.iter().all(|x| x.is_finite()).then_some(out)
+        let truth = |(reading, time): (&Reading, &f64)| match self.gauges[reading.channel] {
+            Gauge::Tank => course.tank(*time),
+            Gauge::Muscle(k) => course.muscle(k, *time) + unknowns[1],
+            Gauge::Center(k) => course.center(k, *time) + unknowns[self.off(k)],
+        };
+        Some(log.readings.iter().zip(&asked.times).map(truth).collect())
     }
 
     /// Of a machine with so many parts, a model misses several at once.
@@ -330,7 +318,9 @@ impl Kind for Flights {
 mod tests {
     use super::*;
     use crate::experiment::Sort;
+    use crate::kind::Cause;
     use crate::layout::{Draw, Layout};
+    use crate::sensor::Fault;
 
     /// A gauge of the tank that reads too much says so at the start as well: the same robot with as
     /// much less in its tank.
@@ -340,14 +330,14 @@ mod tests {
         let layout = Layout::new(Sort::TankLeg, false, Some(1), &mut Draw::new(5));
         let kind = Flights::new(&layout.experiment).expect("a robot");
         let own: Vec<f64> = kind.unknowns(0).iter().map(|p| p.neutral).collect();
-        let off = |gauge: &Gauge| {
-            let place = kind.causes.0.iter();
-            let is_it = |effect: &Effect| *effect == Effect::Offset(*gauge);
-            place.into_iter().position(is_it).expect("a cause")
+        let is_off = |cause: &Cause| {
+            cause.fault == Some(Fault::Offset)
+                && cause.column.as_deref() == Some("tank_pressure_gauge_pa")
         };
+        let off = kind.causes().iter().position(is_off).expect("a cause");
         let mut terms = Terms::off(kind.causes());
         let right = kind.predict(0, &terms, &own).expect("a jump");
-        terms.set(off(&Gauge::Tank), 0, OFF);
+        terms.set(off, 0, OFF);
         let more = [&[own[0] + OFF], &own[1..]].concat();
         let found = kind.predict(0, &terms, &more).expect("a jump");
         for (reading, (found, right)) in kind.data.logs[0]

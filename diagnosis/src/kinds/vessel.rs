@@ -7,12 +7,13 @@ use saltus_numeric::statistics::quantile;
 use saltus_pneumatics::OrificeLaw;
 use saltus_robot::Gas as Perfect;
 
-use super::{Causes, FREE, amount, causes, delay, gain, offset, simple, unknown};
+use super::{Causes, FREE, amount, causes, delay, faults, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
 use crate::plausible::{Check, PRESSURES};
+use crate::sensor::Asked;
 use crate::spec::{
     ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
     optional, required, without,
@@ -91,9 +92,6 @@ enum Effect {
     Leak,
     /// Time (s) in which the wall brings the gas of a shut vessel back to its own temperature.
     Settling,
-    Offset(Gauge),
-    Scale(Gauge),
-    Delay(Gauge),
     /// Without a name.
     DriftByPressure,
     DriftByTime,
@@ -107,7 +105,7 @@ fn are_shut(experiment: &Experiment) -> bool {
 }
 
 /// The listed causes.
-fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Effect, Cause)> {
+fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Option<Effect>, Cause)> {
     let (bounds, scale) = ((-1e6, 1e6), 1e3);
     let name = "outside_pressure_pa";
     let outside = simple("supply-pressure", name, 0.0, bounds, scale, &[]);
@@ -121,9 +119,9 @@ fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Effect, Cause)> {
         let gas = simple("gas-type", name, 0.0, bounds, 0.05, &[0.999]);
         // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
         let heat = amount("heat-transfer", "convection", 5.0, 0.02, &[0.1]);
-        vec![(Effect::Heat, heat), (Effect::Gas, gas)]
+        vec![(Some(Effect::Heat), heat), (Some(Effect::Gas), gas)]
     };
-    all.push((Effect::Outside, outside));
+    all.push((Some(Effect::Outside), outside));
     all.extend(of_gauges(experiment));
     all
 }
@@ -181,25 +179,24 @@ fn stem(file: &str) -> &str {
 }
 
 /// What can be wrong with the gauges.
-fn of_gauges(experiment: &Experiment) -> Vec<(Effect, Cause)> {
+fn of_gauges(experiment: &Experiment) -> Vec<(Option<Effect>, Cause)> {
     let mut all = Vec::new();
     for (column, unit, size) in [("pressure_pa", "pa", 1e3), ("temperature_k", "k", 0.2)] {
         if experiment.columns.iter().all(|own| own != column) {
             continue;
         }
-        let gauge = Gauge::of(column);
         let calibrated = "sensors are calibrated";
-        all.extend(causes! {
-            Effect::Offset(gauge) => offset(column, unit, FREE, size).usual(5.0 * size, calibrated);
-            Effect::Scale(gauge) => gain(column);
-            Effect::Delay(gauge) => delay(column, 10.0, 0.1);
-        });
+        all.extend(faults([
+            offset(column, unit, FREE, size).usual(5.0 * size, calibrated),
+            gain(column),
+            delay(column, 10.0, 0.1),
+        ]));
     }
     all
 }
 
 /// Terms of the flow without a name, of runs that last `last` (s).
-fn unnamed(last: f64) -> Vec<(Effect, Cause)> {
+fn unnamed(last: f64) -> Vec<(Option<Effect>, Cause)> {
     let drift = |id| simple(id, "c", 0.0, (-3.0, 3.0), 0.01, &[]);
     let by_pressure =
         "flow through the orifice, times 1 + c times the share of pressure that is lost";
@@ -388,22 +385,24 @@ impl Kind for Vessels {
             .collect()
     }
 
-    fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
-        let value = |effect, none| self.causes.or(effect, none, terms);
+    fn truths(
+        &self,
+        run: usize,
+        terms: &Terms,
+        unknowns: &[f64],
+        asked: &Asked,
+    ) -> Option<Vec<f64>> {
         let gas = self.gas(run, terms, unknowns)?;
         let knots = gas.knots();
-        let mut out = Vec::with_capacity(self.data.logs[run].readings.len());
-        for reading in &self.data.logs[run].readings {
-            let gauge = Gauge::of(&self.data.channels[reading.channel].name);
-            let time = reading.time - gas.release - value(Effect::Delay(gauge), 0.0);
-            let state = between(&knots, gas.step, time);
-            let exact = match gauge {
+        let truth = |(reading, time): (&Reading, &f64)| {
+            let state = between(&knots, gas.step, time - gas.release);
+            match Gauge::of(&self.data.channels[reading.channel].name) {
                 Gauge::Pressure => gas.pressure(state),
                 Gauge::Temperature => state[1],
-            };
-            out.push(value(Effect::Scale(gauge), 1.0) * exact + value(Effect::Offset(gauge), 0.0));
-        }
-        out.iter().all(|x| x.is_finite()).then_some(out)
+            }
+        };
+        let readings = self.data.logs[run].readings.iter();
+        Some(readings.zip(&asked.times).map(truth).collect())
     }
 }
 

@@ -36,17 +36,25 @@ pub(super) struct Knot {
 pub struct Pose {
     /// Lean φ of the leg (rad), and its rate (rad/s).
     pub lean: (f64, f64),
-    /// Pivot angle θ of the boom at its base (rad), and its rate; height of the axle (m) without a
-    /// boom.
-    pub pivot: (f64, f64),
-    /// Radius angle ψ (rad), and its rate; travel of the axle (m) without a boom. The foot is at 0.
-    pub turn: (f64, f64),
+    /// Travel of the axle (m), on a boom along its arc, and its rate. The foot is at 0.
+    pub travel: (f64, f64),
+    /// Where the boom is, if there is one.
+    pub boom: Option<BoomPose>,
     /// Height of the axle (m), and its rate.
     pub height: (f64, f64),
     /// Extension of the leg (m), and its rate.
     pub extension: (f64, f64),
     /// Pressure in the chamber (Pa), and its rate.
     pub pressure: (f64, f64),
+}
+
+/// Where a boom is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BoomPose {
+    /// Radius angle ψ (rad), and its rate (rad/s). The foot is at 0.
+    pub turn: (f64, f64),
+    /// Pivot angle θ at its base (rad), and its rate (rad/s).
+    pub pivot: (f64, f64),
 }
 
 impl Course {
@@ -73,10 +81,16 @@ impl Course {
             (value + if early < 0.0 { a.1 * early } else { 0.0 }, slope)
         };
         let of = |k: usize| at((a.q[k], a.v[k]), (b.q[k], b.v[k]));
+        let turn = of(TURN);
         Pose {
             lean: of(LEAN),
-            pivot: of(PIVOT),
-            turn: of(TURN),
+            travel: self
+                .boom
+                .map_or(turn, |length| (length * turn.0, length * turn.1)),
+            boom: self.boom.map(|_| BoomPose {
+                turn,
+                pivot: of(PIVOT),
+            }),
             height: at(a.height, b.height),
             extension: of(LEG),
             pressure: at(a.pressure, b.pressure),

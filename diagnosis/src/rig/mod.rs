@@ -28,7 +28,7 @@ mod machine;
 mod modes;
 mod run;
 
-pub use course::{Course, Pose};
+pub use course::{BoomPose, Course, Pose};
 use machine::Machine;
 use run::{LONG, Run, Slide};
 use saltus_pneumatics::Leg;

@@ -4,8 +4,8 @@ use super::guesses::Likely;
 use super::plant::{Change, guess};
 use super::sizes::Sizes;
 use super::{is_angle, named};
-use crate::kind::{Cause, Channel, Terms};
-use crate::kinds::{Causes, FREE, causes, delay, gain, offset, share, simple, unknown};
+use crate::kind::{Cause, Channel, Data, Terms};
+use crate::kinds::{Causes, FREE, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::mechanism::{Inertia, Joint, Link, Mechanism, Shows};
 
 /// What a cause does, with the index of its link, joint, spring, drive or channel.
@@ -23,12 +23,6 @@ pub(super) enum Effect {
     Stiffness(usize),
     Spring(usize),
     Slope,
-    Offset(usize),
-    Scale(usize),
-    Delay(usize),
-    DriveOffset(usize),
-    DriveScale(usize),
-    DriveDelay(usize),
     /// Without a name.
     Second(usize),
 }
@@ -36,11 +30,11 @@ pub(super) enum Effect {
 /// The causes of a machine.
 pub(super) struct All {
     /// What nobody knows, and is the same in all runs.
-    pub(super) common: Vec<(Effect, Cause)>,
+    pub(super) common: Vec<(Option<Effect>, Cause)>,
     /// Those that have a name.
-    pub(super) named: Vec<(Effect, Cause)>,
+    pub(super) named: Vec<(Option<Effect>, Cause)>,
     /// Terms without a name.
-    pub(super) terms: Vec<(Effect, Cause)>,
+    pub(super) terms: Vec<(Option<Effect>, Cause)>,
 }
 
 /// The causes of a machine; indices are those of `mechanism`.
@@ -61,7 +55,7 @@ pub(super) fn of(
             let first = likely.inertia[k].clamp(2e-3 * rod, 50.0 * rod);
             let bounds = (1e-3 * rod, 100.0 * rod);
             let cause = simple("inertia", &name, first, bounds, 0.05 * rod, &[]);
-            all.common.push((Effect::Unknown(k), cause));
+            all.common.push((Some(Effect::Unknown(k)), cause));
         }
         all.named.extend(of_link(mechanism, k, sizes));
     }
@@ -72,31 +66,34 @@ pub(super) fn of(
             let name = "torque in the first joint, -c sin(2 q)";
             let bounds = (-100.0 * size, 100.0 * size);
             let term = simple(name, "c_n_m", 0.0, bounds, 1e-3 * size, &[]);
-            all.terms.push((Effect::Second(k), term));
+            all.terms.push((Some(Effect::Second(k)), term));
         }
     }
     if is_slope_seen(mechanism) {
         let (name, starts) = ("slope_rad", [-0.05, 0.05]);
         let slope = simple("ground-slope", name, 0.0, (-0.5, 0.5), 1e-3, &starts);
-        all.named.push((Effect::Slope, slope));
+        all.named.push((Some(Effect::Slope), slope));
     }
-    for (k, channel) in channels.iter().enumerate() {
+    for channel in channels {
         let column = channel.name.as_str();
         let unit = if is_angle(column) { "rad" } else { "m" };
-        all.named.extend(causes! {
-            Effect::Offset(k) => offset(column, unit, (-1.0, 1.0), 1e-3);
-            Effect::Scale(k) => gain(column);
-            Effect::Delay(k) => delay(column, 0.5, 1e-3);
-        });
+        let faults = faults([
+            offset(column, unit, (-1.0, 1.0), 1e-3),
+            gain(column),
+            delay(column, 0.5, 1e-3),
+        ]);
+        all.named.extend(faults);
     }
-    for (k, drive) in mechanism.drives.iter().enumerate() {
+    for drive in &mechanism.drives {
         let turns = mechanism.links[drive.joint].joint.turns();
         let (column, size) = (&drive.column, sizes.torque[drive.joint]);
-        all.named.extend(causes! {
-            Effect::DriveOffset(k) => offset(column, if turns { "nm" } else { "n" }, FREE, 1e-3 * size);
-            Effect::DriveScale(k) => gain(column);
-            Effect::DriveDelay(k) => delay(column, 0.5, 1e-3);
-        });
+        let unit = if turns { "nm" } else { "n" };
+        let faults = faults([
+            offset(column, unit, FREE, 1e-3 * size),
+            gain(column),
+            delay(column, 0.5, 1e-3),
+        ]);
+        all.named.extend(faults);
     }
     all
 }
@@ -136,7 +133,7 @@ fn is_slope_seen(mechanism: &Mechanism) -> bool {
 }
 
 /// Causes that are masses and where they are.
-fn of_link(mechanism: &Mechanism, k: usize, sizes: &Sizes) -> Vec<(Effect, Cause)> {
+fn of_link(mechanism: &Mechanism, k: usize, sizes: &Sizes) -> Vec<(Option<Effect>, Cause)> {
     let link = &mechanism.links[k];
     let share = |id, name, scale| share(id, &named(&link.name, name), scale);
     let mut all = Vec::new();
@@ -145,18 +142,21 @@ fn of_link(mechanism: &Mechanism, k: usize, sizes: &Sizes) -> Vec<(Effect, Cause
     let is_known = link.inertia != Inertia::Unknown;
     if link.mass > 0.0 && (is_known || is_driven || mechanism.links.len() > 1) {
         let mass = share("mass", "mass_share", 0.02).usual(0.1, "links are weighed");
-        all.push((Effect::Mass(k), mass));
+        all.push((Some(Effect::Mass(k)), mass));
         let [x, y] = link.center;
         let reach = x.hypot(y);
         if reach > 0.0 && turns {
             let (bounds, starts) = ((-20.0 * reach, 20.0 * reach), [-0.2 * reach, 0.2 * reach]);
             let name = named(&link.name, "imbalance_m");
             let cause = simple("imbalance", &name, 0.0, bounds, 0.01 * reach, &starts);
-            all.push((Effect::Center(k), cause));
+            all.push((Some(Effect::Center(k)), cause));
         }
     }
     if matches!(link.inertia, Inertia::Center(own) if own > 0.0) && turns {
-        all.push((Effect::Inertia(k), share("inertia", "inertia_share", 0.01)));
+        all.push((
+            Some(Effect::Inertia(k)),
+            share("inertia", "inertia_share", 0.01),
+        ));
     }
     if let Some(own) = &link.counterweight {
         let scale = 0.02 * own.mass.max(link.mass).max(1e-3);
@@ -164,7 +164,7 @@ fn of_link(mechanism: &Mechanism, k: usize, sizes: &Sizes) -> Vec<(Effect, Cause
         let of = |name, low| unknown(&named(&own.name, name), own.mass, (low, most), scale);
         let parameters = vec![of("weight_kg", -most), of("inertia_kg", 0.0)];
         all.push((
-            Effect::Counterweight(k),
+            Some(Effect::Counterweight(k)),
             Cause::several("counterweight", parameters),
         ));
     }
@@ -177,7 +177,7 @@ fn of_joint(
     k: usize,
     sizes: &Sizes,
     likely: &Likely,
-) -> Vec<(Effect, Cause)> {
+) -> Vec<(Option<Effect>, Cause)> {
     let joint = &mechanism.links[k].joint;
     let (size, rate) = (sizes.torque[k], sizes.rate(k));
     let of = |id, name: [&str; 2], neutral: f64, unit: f64, guess: f64| {
@@ -200,7 +200,7 @@ fn of_joint(
     if joint.parent.is_none() {
         let unit = size / (rate * rate);
         let drag = of("air-drag", drag, 0.0, rate * rate, 0.03 * unit);
-        all.push((Effect::Drag(k), drag));
+        all.push((Some(Effect::Drag(k)), drag));
     }
     let mut has_spring = false;
     for (s, spring) in mechanism
@@ -218,12 +218,12 @@ fn of_joint(
             name = format!("{name}_{}", s + 1);
         }
         let cause = simple("return-spring", &name, 1.0, (0.0, 20.0), 0.02, &[0.8, 1.25]);
-        all.push((Effect::Spring(s), cause));
+        all.push((Some(Effect::Spring(s)), cause));
     }
     if !has_spring {
         let name = ["stiffness_n_m_per_rad", "stiffness_n_per_m"];
         let spring = of("return-spring", name, 0.0, 1.0, 0.03 * size);
-        all.push((Effect::Stiffness(k), spring));
+        all.push((Some(Effect::Stiffness(k)), spring));
     }
     all
 }
@@ -234,6 +234,7 @@ impl Change {
     pub(super) fn of(
         (first, mechanism): (&Mechanism, &Mechanism),
         causes: &Causes<Effect>,
+        data: &Data,
         terms: &Terms,
     ) -> Change {
         let mut change = Change::none(mechanism);
@@ -274,10 +275,8 @@ impl Change {
         for (s, share) in change.springs.iter_mut().enumerate() {
             *share = causes.or(Effect::Spring(s), 1.0, terms);
         }
-        for (k, [gain, offset, delay]) in change.drives.iter_mut().enumerate() {
-            *gain = causes.or(Effect::DriveScale(k), 1.0, terms);
-            *offset = causes.or(Effect::DriveOffset(k), 0.0, terms);
-            *delay = causes.or(Effect::DriveDelay(k), 0.0, terms);
+        for (sensor, drive) in change.drives.iter_mut().zip(&mechanism.drives) {
+            *sensor = data.sensor(&drive.column, terms);
         }
         change.slope = causes.or(Effect::Slope, 0.0, terms);
         change

@@ -10,6 +10,7 @@ use crate::kind::Log;
 use crate::kinds::input::Input;
 use crate::machine::{Machine, Part, State};
 use crate::mechanism::{Inertia, Law, Link, Mechanism, Shows, Way};
+use crate::sensor::Sensor;
 use crate::spec::Problem;
 
 /// By how much (rad) the phase of the fastest swing may be off at the end of the longest run: by
@@ -39,8 +40,8 @@ pub(super) struct Change {
     pub(super) second: Vec<f64>,
     /// Stiffness of each spring in terms of what is believed.
     pub(super) springs: Vec<f64>,
-    /// Gain, offset and delay (s) of each drive.
-    pub(super) drives: Vec<[f64; 3]>,
+    /// What measures each drive.
+    pub(super) drives: Vec<Sensor>,
     /// Slope (rad) of the ground, uphill positive.
     pub(super) slope: f64,
 }
@@ -79,7 +80,7 @@ impl Change {
             stiffness: zeros.clone(),
             second: zeros,
             springs: vec![1.0; mechanism.springs.len()],
-            drives: vec![[1.0, 0.0, 0.0]; mechanism.drives.len()],
+            drives: vec![Sensor::default(); mechanism.drives.len()],
             slope: 0.0,
         }
     }
@@ -227,10 +228,8 @@ impl<'a> Plant<'a> {
             *torque = self.held(k, state.ahead(k, 0.5 * h), state.v[k]);
         }
         for (k, drive) in self.mechanism.drives.iter().enumerate() {
-            let [gain, offset, late] = self.change.drives[k];
-            // A late sensor shows now what was before.
-            let shown = inputs[k].at(middle + late, &mut at[k]);
-            torques[drive.joint] += gain * shown + offset;
+            let sensor = &self.change.drives[k];
+            torques[drive.joint] += inputs[k].truth(middle, sensor, &mut at[k]);
         }
         self.machine.step(state, h, &torques[..count]).then_some(())
     }

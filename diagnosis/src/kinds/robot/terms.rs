@@ -8,8 +8,9 @@ use saltus_robot::{Cylinder, Gas, GaugePressure, Robot, Term};
 use super::Column;
 use crate::experiment::Sort;
 use crate::kind::{Cause, Channel, Data, Form};
-use crate::kinds::{amount, offset, simple, unknown};
+use crate::kinds::{delay, gain, offset, simple, unknown};
 use crate::rig::Extra;
+use crate::sensor::Fault;
 
 /// What a cause does to the model.
 #[derive(Clone, Debug)]
@@ -24,22 +25,12 @@ pub(super) enum Effect {
     LoadAdded,
     /// It is a term that no listed cause has.
     Extra(fn(&mut Extra, f64)),
-    /// It changes what a channel says.
-    Sensor(usize, Sensor),
+    /// It is a fault of a sensor, of which the model knows nothing.
+    None,
 }
 
 /// Switches a term on in a robot.
 pub(super) type Switch = fn(&mut Robot, &[f64]);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sensor {
-    Gain,
-    Offset,
-    /// Late by a time; before the first row the robot went on as it does there.
-    Delay,
-    /// Late by a time, with the first row's value before it.
-    HeldDelay,
-}
 
 /// Collects causes with what they do.
 #[derive(Default)]
@@ -310,31 +301,20 @@ fn unlisted(list: &mut List, sort: Sort, robot: &Robot) {
 }
 
 fn sensing(list: &mut List, sort: Sort, columns: &[Column], channels: &[Channel]) {
-    for (k, (column, channel)) in columns.iter().zip(channels).enumerate() {
-        let mut add = |what: Sensor, cause: Cause| {
-            list.add(cause.of_column(&channel.name), Effect::Sensor(k, what));
-        };
-        let gain = simple(
-            "encoder-scale",
-            "gain",
-            1.0,
-            (0.2, 5.0),
-            2e-3,
-            &[0.95, 1.05],
-        );
-        add(Sensor::Gain, gain.usual(0.1, "encoders are calibrated"));
+    for (column, Channel { name, noise, .. }) in columns.iter().zip(channels) {
+        let mut add = |cause: Cause| list.add(cause, Effect::None);
+        add(gain(name).usual(0.1, "encoders are calibrated"));
         let unit = match column {
             Column::Rate => "rad_s",
-            _ => channel.name.rsplit_once('_').map_or("", |(_, unit)| unit),
+            _ => name.rsplit_once('_').map_or("", |(_, unit)| unit),
         };
-        let offset = offset(&channel.name, unit, (-1e7, 1e7), channel.noise);
-        add(Sensor::Offset, offset);
-        let delay = amount("sensor-delay", "delay_s", 0.1, 2e-4, &[5e-3]);
+        add(offset(name, unit, (-1e7, 1e7), *noise));
+        let late = delay(name, 0.1, 2e-4);
         if sort != Sort::Outcomes {
-            add(Sensor::Delay, delay.clone());
+            add(late.clone());
         }
         if sort == Sort::Jump {
-            add(Sensor::HeldDelay, delay);
+            add(late.of_column(name, Fault::Held));
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::rig::{Changed, Rig};
 use super::{Flights, Gauge};
 use crate::kind::{Cause, Channel, Terms};
-use crate::kinds::{FREE, amount, causes, delay, gain, offset, share, simple, unknown};
+use crate::kinds::{FREE, amount, causes, delay, faults, gain, offset, share, simple, unknown};
 
 /// What a cause does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +23,6 @@ pub(super) enum Effect {
     Spring,
     Heat,
     Leak,
-    Offset(Gauge),
-    Scale(Gauge),
-    Delay(Gauge),
     /// Without a name.
     Force,
 }
@@ -85,12 +82,12 @@ impl Flights {
 }
 
 /// Causes, each with what it does.
-type All = Vec<(Effect, Cause)>;
+type All = Vec<(Option<Effect>, Cause)>;
 
 /// The listed causes, and terms without a name.
 pub(super) fn of(rig: &Rig, channels: &[Channel], gauges: &[Gauge]) -> (All, All) {
     let vent = simple("tube", "vent_flow_share", 1.0, (0.05, 5.0), 0.02, &[]);
-    let mut named = vec![(Effect::Vent, vent)];
+    let mut named = vec![(Some(Effect::Vent), vent)];
     named.extend(of_gas(rig));
     named.extend(of_links(rig));
     for (channel, gauge) in channels.iter().zip(gauges) {
@@ -98,7 +95,7 @@ pub(super) fn of(rig: &Rig, channels: &[Channel], gauges: &[Gauge]) -> (All, All
     }
     let name = "pull of the muscles, times c";
     let force = simple(name, "c", 1.0, (0.1, 5.0), 0.02, &[0.7, 1.4]);
-    (named, vec![(Effect::Force, force)])
+    (named, vec![(Some(Effect::Force), force)])
 }
 
 fn of_gas(rig: &Rig) -> All {
@@ -168,13 +165,10 @@ fn of_links(rig: &Rig) -> All {
 fn of_gauge(channel: &Channel, gauge: Gauge) -> All {
     let own = channel.name.as_str();
     let prompt = "gauges are prompt";
-    let mut all = causes! {
-        Effect::Scale(gauge) => gain(own);
-        Effect::Delay(gauge) => delay(own, 0.1, 1e-3).usual(3e-3, prompt);
-    };
+    let mut all: All = faults([gain(own), delay(own, 0.1, 1e-3).usual(3e-3, prompt)]).collect();
     // Where the track of the centre begins is not known anyway.
     if !matches!(gauge, Gauge::Center(_)) {
-        all.push((Effect::Offset(gauge), offset(own, "pa", FREE, 500.0)));
+        all.extend(faults([offset(own, "pa", FREE, 500.0)]));
     }
     all
 }
