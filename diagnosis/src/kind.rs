@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use saltus_robot::Robot;
 
 use crate::prior::Prior;
-use crate::sensor::{Asked, Fault, Sensor};
+use crate::sensor::{Fault, Sensor};
 
 /// A measured column.
 #[derive(Clone, Debug, PartialEq)]
@@ -303,18 +303,39 @@ impl Data {
                 sensor.with(fault, size)
             })
     }
+}
 
-    /// What is asked of the model of a run with the terms on.
-    pub fn asked(&self, run: usize, terms: &Terms) -> Asked {
-        let channels = self.channels.iter();
-        let sensors: Vec<Sensor> = channels.map(|it| self.sensor(&it.name, terms)).collect();
-        let readings = &self.logs[run].readings;
+/// What is asked of the model of a run: the truths behind its readings.
+pub struct Asked<'a> {
+    /// The run.
+    pub run: usize,
+    /// The terms that are on.
+    pub terms: &'a Terms,
+    /// What is not known of the run.
+    pub unknowns: &'a [f64],
+    /// The instrument of each channel.
+    pub sensors: Vec<Sensor>,
+    /// When (s) the truth of each reading was.
+    pub times: Vec<f64>,
+}
+
+impl<'a> Asked<'a> {
+    /// Run, terms and unknowns.
+    pub fn parts(&self) -> (usize, &'a Terms, &'a [f64]) {
+        (self.run, self.terms, self.unknowns)
+    }
+
+    fn of(data: &Data, run: usize, terms: &'a Terms, unknowns: &'a [f64]) -> Asked<'a> {
+        let channels = data.channels.iter();
+        let sensors: Vec<Sensor> = channels.map(|it| data.sensor(&it.name, terms)).collect();
+        let readings = &data.logs[run].readings;
         let first = readings.first().map_or(0.0, |reading| reading.time);
-        let times = readings
-            .iter()
-            .map(|it| sensors[it.channel].shows(it.time, first));
+        let shows = |it: &Reading| sensors[it.channel].shows(it.time, first);
         Asked {
-            times: times.collect(),
+            run,
+            terms,
+            unknowns,
+            times: readings.iter().map(shows).collect(),
             sensors,
         }
     }
@@ -411,8 +432,8 @@ pub trait Kind: Sync {
     /// What the model says of each reading of a run; none where it has no answer.
     fn predict(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Vec<f64>> {
         let data = self.data();
-        let asked = data.asked(run, terms);
-        let truths = self.truths(run, terms, unknowns, &asked)?;
+        let asked = Asked::of(data, run, terms, unknowns);
+        let truths = self.truths(&asked)?;
         let readings = data.logs[run].readings.iter().zip(truths);
         let read = readings.map(|(it, truth)| asked.sensors[it.channel].reading(truth));
         let all: Vec<f64> = read.collect();
@@ -421,14 +442,8 @@ pub trait Kind: Sync {
 
     /// The truth behind each reading of a run, at the times that are asked; none where the model has
     /// no answer.
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
-        self.inner()?.truths(run, terms, unknowns, asked)
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        self.inner()?.truths(asked)
     }
 
     /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where

@@ -208,19 +208,6 @@ impl Law {
             }
         }
     }
-
-    /// Greatest stiffness (N m/rad or N/m).
-    pub fn stiffness(&self) -> f64 {
-        match self {
-            Law::Linear { stiffness, .. } => *stiffness,
-            Law::Table(points) => {
-                let slopes = points
-                    .windows(2)
-                    .map(|w| (w[1][1] - w[0][1]) / (w[1][0] - w[0][0]));
-                slopes.map(f64::abs).fold(0.0, f64::max)
-            }
-        }
-    }
 }
 
 impl Joint {
@@ -231,11 +218,6 @@ impl Joint {
 }
 
 impl Mechanism {
-    /// The link with this name.
-    pub fn link(&self, name: &str) -> Option<usize> {
-        self.links.iter().position(|link| link.name == name)
-    }
-
     /// The links from `link` to the ground.
     pub fn to_ground(&self, link: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(link), |k| self.links[*k].joint.parent)

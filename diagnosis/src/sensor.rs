@@ -72,14 +72,6 @@ impl Sensor {
     }
 }
 
-/// What is asked of the model of a run: the truths behind its readings.
-pub struct Asked {
-    /// The instrument of each channel.
-    pub sensors: Vec<Sensor>,
-    /// When (s) the truth of each reading was.
-    pub times: Vec<f64>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

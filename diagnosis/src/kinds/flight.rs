@@ -5,11 +5,10 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::fitness;
 use crate::kind::Proposal;
-use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
+use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::plausible::{Check, LENGTHS};
 use crate::prior::Prior;
-use crate::sensor::Asked;
 use crate::spec::{
     DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
     without,
@@ -144,26 +143,19 @@ enum Effect {
     Wind,
 }
 
-/// What common sense knows of a flight: one standard deviation, and why it is known.
-struct CommonSense {
-    /// Of gravity (m/s²).
-    gravity: (f64, &'static str),
-    /// Of the scale of a length.
-    scale: (f64, &'static str),
-}
+/// What common sense knows: one standard deviation of gravity (m/s²) and of the scale of a length, and
+/// why each is known.
+type CommonSense = [(f64, &'static str); 2];
 
-/// A body that nothing holds: gravity differs by 0.05 m/s² between equator and pole, and by 0.03 at
-/// 10 km of height.
-const IN_THE_OPEN: CommonSense = CommonSense {
-    gravity: (0.02, "gravity on Earth"),
-    scale: (0.003, "a ruler"),
-};
+/// Of a body that nothing holds: gravity differs by 0.05 m/s² between equator and pole, and by 0.03
+/// at 10 km of height.
+const IN_THE_OPEN: CommonSense = [(0.02, "gravity on Earth"), (0.003, "a ruler")];
 
-/// A robot at the end of a boom, whose plane may be tilted, and whose place an encoder tells.
-const ON_A_RIG: CommonSense = CommonSense {
-    gravity: (0.2, "gravity on Earth, on a rig that may be tilted"),
-    scale: (0.05, "encoders are calibrated"),
-};
+/// Of a robot at the end of a boom, whose plane may be tilted, and whose place an encoder tells.
+const ON_A_RIG: CommonSense = [
+    (0.2, "gravity on Earth, on a rig that may be tilted"),
+    (0.05, "encoders are calibrated"),
+];
 
 /// The listed causes.
 fn named(
@@ -188,9 +180,9 @@ fn named(
     let starts = [0.5 * gravity];
     let name = "gravity_m_s2";
     let of_gravity = simple("gravity", name, gravity, (0.1, 40.0), 0.05, &starts);
-    let (error, why) = known.gravity;
+    let [(error, why), of_scale] = known;
     all.push((Some(Effect::Gravity), of_gravity.usual(error, why)));
-    let (error, why) = known.scale;
+    let (error, why) = of_scale;
     for Channel { name, .. } in channels {
         all.extend(faults([gain(name).usual(error, why)]));
         if channels.len() > 1 {
@@ -311,13 +303,8 @@ impl Kind for Flights {
         all
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let (release, place, speed) = self.released(run, unknowns)?;
         let share = self.causes.or(Effect::Share, 1.0, terms);
         let motion = Motion {

@@ -16,10 +16,9 @@ use saltus_sim_check::chain::MOST;
 use super::input::Input;
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Data, Kind, Parameter, Terms};
+use crate::kind::{Asked, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, round};
 use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows};
-use crate::sensor::Asked;
 use crate::spec::{
     Column, Domain, FORCE, LEAP_ON, PART, Problem, Source, Spec, Synthesis, TURN_ON, calm, noisy,
     without,
@@ -227,13 +226,8 @@ impl Kind for Motions {
         self.runs[run].group
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let mechanism = &self.mechanisms[self.runs[run].mechanism];
         let both = (&self.mechanisms[0], mechanism);
         let plant = Plant::new(mechanism, Change::of(both, &self.causes, &self.data, terms))?;

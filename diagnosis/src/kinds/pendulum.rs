@@ -11,9 +11,9 @@ use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 use super::input::Input;
 use super::{Causes, FREE, braked, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Data, Kind, Log, Parameter, Terms};
+use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
-use crate::sensor::Asked;
+use crate::sensor::Sensor;
 use crate::spec::{
     Domain, LOAD, PART, Problem, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy,
     optional, required, without,
@@ -228,7 +228,7 @@ fn likely_inertia(log: &Log, torque: &Input, body: &Body) -> Option<f64> {
         let h = pair[1].time - pair[0].time;
         let [past, turned] = [pair[0].time + 0.5 * h, pair[1].value - pair[0].value];
         let middle = pair[0].value + 0.5 * turned;
-        let driven = torque.at(past, &mut at) - moment * middle.sin();
+        let driven = torque.truth(past, &Sensor::default(), &mut at) - moment * middle.sin();
         let sign = if turned == 0.0 { 0.0 } else { turned.signum() };
         let [a, b, c] = impulses[impulses.len() - 1];
         impulses.push([a + h * driven, b + turned, c + h * sign]);
@@ -408,13 +408,8 @@ impl Kind for Pendulums {
         "longer runs, some of them let go from a larger angle".into()
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let swing = self.swing(run, terms);
         let (torque, gauge) = (&self.torques[run], self.data.sensor("torque_nm", terms));
         let (mut now, mut at) = (self.data.logs[run].readings.first()?.time, 0);

@@ -11,10 +11,10 @@ use terms::Effect;
 
 use super::unknown;
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
+use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::noise;
 use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
-use crate::sensor::{Asked, Fault};
+use crate::sensor::Fault;
 use crate::spec::Problem;
 
 /// Firings of a robot, or of one of its legs.
@@ -475,13 +475,8 @@ impl Kind for Firings {
         }
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         if self.sort == Sort::Outcomes {
             return Some(self.outcomes(run, terms));
         }

@@ -19,10 +19,9 @@ use std::sync::Arc;
 use super::{Firings, unknown};
 use crate::experiment::{Experiment, Sort};
 use crate::fit::{self, DIFFERENCE, Fit, STEPS};
-use crate::kind::{Data, Kind, Parameter, Terms};
+use crate::kind::{Asked, Data, Kind, Parameter};
 use crate::layout::TICK;
 use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
-use crate::sensor::Asked;
 use crate::spec::{
     Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
     Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
@@ -328,14 +327,9 @@ impl Kind for Strides {
         all
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
-        let mut all = self.firings.truths(run, terms, unknowns, asked)?;
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let Asked { run, unknowns, .. } = *asked;
+        let mut all = self.firings.truths(asked)?;
         // What the encoder's scale makes of the turns before this stride.
         let turned = self.wheel.map_or(0.0, |k| {
             let sensor = &asked.sensors[k];

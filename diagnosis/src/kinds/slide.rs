@@ -2,14 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use saltus_numeric::hermite;
-
+use super::input::Input;
 use super::{Causes, FREE, amount, braked, causes, delay, faults, gain, offset, share, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Data, Kind, Parameter, Terms};
+use crate::kind::{Asked, Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
-use crate::sensor::Asked;
 use crate::spec::{
     FORCE, LOAD, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, optional,
 };
@@ -19,10 +17,8 @@ use crate::spec::{
 struct Drive {
     /// Mass (kg), if it is known.
     mass: Option<f64>,
-    /// When (s) each force was measured.
-    time: Vec<f64>,
     /// Force (N).
-    force: Vec<f64>,
+    force: Input,
 }
 
 /// Slides.
@@ -49,7 +45,11 @@ impl Slides {
         data.channels[0].is_given &= of_force.is_given;
         let force_noise = of_force.noise;
         let runs = experiment.runs.iter();
-        let drives: Vec<Drive> = runs.map(|run| drive(run, force)).collect();
+        let drive = |run: &Run| Drive {
+            mass: run.settings.get("mass_kg").copied(),
+            force: Input::of(run, Some(force)),
+        };
+        let drives: Vec<Drive> = runs.map(drive).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         Slides {
             causes: Causes::of(&mut data, listed(mass_is_known), Vec::new()),
@@ -140,36 +140,6 @@ impl Guide {
     }
 }
 
-/// The force of a run, where it was measured.
-fn drive(run: &Run, force: usize) -> Drive {
-    let rows = (0..run.time.len()).filter(|&i| run.values[force][i].is_finite());
-    let (time, force) = rows.map(|i| (run.time[i], run.values[force][i])).unzip();
-    Drive {
-        mass: run.settings.get("mass_kg").copied(),
-        time,
-        force,
-    }
-}
-
-impl Drive {
-    /// Force (N) at `t`, after row `at`: a cubic through four rows (Catmull and Rom).
-    fn between(&self, at: usize, t: f64) -> f64 {
-        let last = self.time.len() - 1;
-        let (a, b) = (at.min(last), (at + 1).min(last));
-        let width = self.time[b] - self.time[a];
-        if width <= 0.0 {
-            return self.force[a];
-        }
-        let s = ((t - self.time[a]) / width).clamp(0.0, 1.0);
-        let slope = |i: usize| {
-            let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
-            width * (self.force[after] - self.force[before])
-                / (self.time[after] - self.time[before])
-        };
-        hermite((self.force[a], slope(a)), (self.force[b], slope(b)), 1.0, s).0
-    }
-}
-
 impl Kind for Slides {
     fn data(&self) -> &Data {
         &self.data
@@ -193,7 +163,7 @@ impl Kind for Slides {
         let most = self
             .drives
             .iter()
-            .flat_map(|drive| &drive.force)
+            .flat_map(|drive| &drive.force.values)
             .fold(0.0_f64, |most, f| most.max(f.abs()));
         format!(
             "runs with a larger force, so that the mass moves more (the largest of these is \
@@ -204,11 +174,11 @@ impl Kind for Slides {
     /// The noise of the force, twice integrated.
     fn input_noise(&self, run: usize, normal: &mut dyn FnMut() -> f64) -> Option<Vec<f64>> {
         let drive = &self.drives[run];
-        let mass = drive.mass?;
+        let (mass, time) = (drive.mass?, &drive.force.time);
         let (mut x, mut v, mut row) = (0.0, 0.0, 0);
         let moved = |reading: &crate::kind::Reading| {
-            while row + 1 < drive.time.len() && drive.time[row] < reading.time {
-                let h = drive.time[row + 1] - drive.time[row];
+            while row + 1 < time.len() && time[row] < reading.time {
+                let h = time[row + 1] - time[row];
                 let kick = h * self.force_noise * normal() / mass;
                 (x, v, row) = (x + h * (v + 0.5 * kick), v + kick, row + 1);
             }
@@ -217,29 +187,21 @@ impl Kind for Slides {
         Some(self.data.logs[run].readings.iter().map(moved).collect())
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let drive = &self.drives[run];
         let guide = self.guide(run, terms, unknowns)?;
         let gauge = self.data.sensor("force_n", terms);
         let mut state = [unknowns[0], unknowns[1]];
-        let (mut now, mut at) = (*drive.time.first()?, 0);
+        let (mut now, mut at) = (*drive.force.time.first()?, 0);
         // A stiff spring swings fast.
         let step = STEP.min(0.3 * (guide.mass / guide.stiffness).sqrt());
         let mut out = Vec::with_capacity(asked.times.len());
         for &until in &asked.times {
             while now < until {
                 let h = step.min(until - now);
-                let seen = gauge.shown(now + 0.5 * h);
-                while at + 1 < drive.time.len() && drive.time[at + 1] <= seen {
-                    at += 1;
-                }
-                state = guide.go(state, gauge.truth(drive.between(at, seen)), h);
+                let force = drive.force.smooth(now + 0.5 * h, &gauge, &mut at);
+                state = guide.go(state, force, h);
                 now += h;
             }
             out.push(state[0]);

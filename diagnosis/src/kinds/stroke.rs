@@ -6,11 +6,10 @@ use saltus_numeric::statistics::quantile;
 
 use super::{Causes, FREE, amount, causes, faults, gain, offset, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Data, Kind, Parameter, Terms};
+use crate::kind::{Asked, Cause, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
 use crate::plausible::{Check, FORCES};
-use crate::sensor::Asked;
 use crate::spec::{
     BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy,
     required,
@@ -165,7 +164,8 @@ impl Kind for Strokes {
 
     /// Force on the load cell: p A, friction against the motion (after Dahl: it turns over within
     /// the presliding way), less a spring that grows as the rod extends.
-    fn truths(&self, run: usize, terms: &Terms, unknowns: &[f64], _: &Asked) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let drive = &self.drives[run];
         let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);

@@ -16,9 +16,8 @@ use saltus_robot::units::{Quantity, Unit};
 
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Sort};
-use crate::kind::{Data, Kind, Log, Parameter, Reading, Terms};
+use crate::kind::{Asked, Data, Kind, Log, Parameter, Reading};
 use crate::recent::Recent;
-use crate::sensor::Asked;
 use crate::spec::{
     Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
     TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
@@ -283,13 +282,8 @@ impl Kind for Flights {
         all
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let log = &self.data.logs[run];
         let last = log.readings.last()?.time;
         // A gauge that is off is so at the start as well.
@@ -318,7 +312,7 @@ impl Kind for Flights {
 mod tests {
     use super::*;
     use crate::experiment::Sort;
-    use crate::kind::Cause;
+    use crate::kind::{Cause, Terms};
     use crate::layout::{Draw, Layout};
     use crate::sensor::Fault;
 

@@ -9,11 +9,10 @@ use saltus_robot::Gas as Perfect;
 
 use super::{Causes, FREE, amount, causes, delay, faults, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
-use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
+use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
 use crate::plausible::{Check, PRESSURES};
-use crate::sensor::Asked;
 use crate::spec::{
     ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
     optional, required, without,
@@ -385,13 +384,8 @@ impl Kind for Vessels {
             .collect()
     }
 
-    fn truths(
-        &self,
-        run: usize,
-        terms: &Terms,
-        unknowns: &[f64],
-        asked: &Asked,
-    ) -> Option<Vec<f64>> {
+    fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
+        let (run, terms, unknowns) = asked.parts();
         let gas = self.gas(run, terms, unknowns)?;
         let knots = gas.knots();
         let truth = |(reading, time): (&Reading, &f64)| {

@@ -167,8 +167,8 @@ const MOST_LEGS: u32 = 1000;
 pub(crate) fn robot(name: &str, overrides: &[String]) -> Result<Robot, CliError> {
     let robot = any_robot(name, overrides)?;
     if robot.space.is_some() {
-        let reason = "body.shape = sphere: must be wheel for this command; a robot in space rolls by `saltus run` and jumps by \
-                      `saltus jump`; `saltus export mjcf`, `urdf` and `gait disc-stable` write it for other programs";
+        let reason = "body.shape = sphere: must be wheel for this command; a robot in space rolls by `saltus run`; \
+                      `saltus export mjcf`, `urdf` and `gait disc-stable` write it for other programs";
         return Err(CliError::content(name, reason));
     }
     Ok(robot)
@@ -282,7 +282,7 @@ pub(crate) struct OutputFlags {
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct Seed {
     /// Seed of what is drawn by chance
-    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: u64,
 }
 
@@ -319,15 +319,15 @@ impl Threads {
 #[command(next_help_heading = "Errors")]
 pub(crate) struct ErrorFlags {
     /// Share of the runs with drawn errors that have to pass
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = share)]
     pub(crate) share: Option<f64>,
 
     /// Runs with errors drawn from the robot's [errors]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
 
     /// Friction coefficients of the ground, which take turns [default: the robot's own]
-    #[arg(long, value_name = "COEFFICIENTS", value_parser = frictions)]
+    #[arg(long, value_name = "COEFFICIENTS", allow_negative_numbers = true, value_parser = frictions)]
     friction: Option<Values>,
 
     #[command(flatten)]

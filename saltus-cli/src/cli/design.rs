@@ -35,7 +35,7 @@ pub(crate) struct Design {
     effect: Vec<Effect>,
 
     /// Propose so many jumps that tell the effects apart best
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=200))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=200))]
     propose: Option<u16>,
 
     #[command(flatten)]

@@ -38,7 +38,7 @@ pub(crate) struct Inject {
     kind: Sort,
 
     /// Runs, of outcomes jumps [default: as many as is usual of the kind]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=500))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=500))]
     runs: Option<u16>,
 
     /// Write the runs as MCAP files in place of CSV

@@ -33,22 +33,22 @@ pub(crate) struct Jump {
     obstacle: Option<Course>,
 
     /// Legs that accelerate before the one that jumps [default: 3]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=6))]
     legs: Option<u8>,
 
     /// Drawn robots on which the firings are sought [default: 8]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1000))]
     sought_on: Option<u16>,
 
     /// Generations of the search [default: 14]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1000))]
     generations: Option<u16>,
 
     #[command(flatten)]
     learning: Learning,
 
     /// Other drawn robots on which they are tried
-    #[arg(long, value_name = "COUNT", default_value = "100", value_parser = clap::value_parser!(u16).range(1..=10000))]
+    #[arg(long, value_name = "COUNT", default_value = "100", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=10000))]
     robots: u16,
 
     #[command(flatten)]

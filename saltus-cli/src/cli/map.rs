@@ -174,24 +174,17 @@ impl Map {
 
     fn text(&self, map: &planner::Map, rows: &Rows, robot: &Robot) -> String {
         let count = map.spots.len();
-        let mut lines = vec![
-            format!("{}: {count} launches", robot.name),
-            format!("  {}", self.terms.of(robot).line()),
-        ];
-        lines.extend(
-            counts(map.spots.iter().map(outcome))
-                .into_iter()
-                .map(|(name, count)| format!("  {name:<16} {count}")),
-        );
-        lines.extend([
-            extremes(map, "distance", |spot| spot.distance),
-            extremes(map, "apex", |spot| spot.apex),
-        ]);
+        let terms = self.terms.of(robot).line();
+        let head = format!("{}: {count} launches\n  {terms}", robot.name);
+        let counts = counts(map.spots.iter().map(outcome)).into_iter();
+        let mut lines: Vec<_> = counts.map(|(name, n)| (name, n.to_string())).collect();
+        lines.push(("distance", extremes(map, |spot| spot.distance)));
+        lines.push(("apex", extremes(map, |spot| spot.apex)));
+        let text = output::lines(&head, 16, &lines);
         if count > MOST_LISTED {
-            lines.push("  each of them: --format csv, --format json or --plot".into());
-            return lines.join("\n") + "\n";
+            return text + "  each of them: --format csv, --format json or --plot\n";
         }
-        lines.join("\n") + "\n" + &rows.text()
+        text + &rows.text()
     }
 
     fn drawing(&self, map: &planner::Map, robot: &Robot) -> Sheet {
@@ -227,7 +220,7 @@ fn outcome(spot: &Spot) -> &'static str {
 }
 
 /// Least and greatest value, and where they are.
-fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>) -> String {
+fn extremes(map: &planner::Map, key: fn(&SpotResult) -> Option<f64>) -> String {
     let spots = map.spots.iter();
     let values = || {
         spots
@@ -237,7 +230,7 @@ fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>)
     let least = values().min_by(|a, b| a.0.total_cmp(&b.0));
     let most = values().max_by(|a, b| a.0.total_cmp(&b.0));
     let (Some(least), Some(most)) = (least, most) else {
-        return format!("  {name:<16} none");
+        return "none".into();
     };
     let at = |(value, launch): (f64, saltus::Launch)| {
         format!(
@@ -247,5 +240,5 @@ fn extremes(map: &planner::Map, name: &str, key: fn(&SpotResult) -> Option<f64>)
             digits(launch.firing_angle, 4)
         )
     };
-    format!("  {name:<16} from {} to {}", at(least), at(most))
+    format!("from {} to {}", at(least), at(most))
 }

@@ -163,7 +163,9 @@ impl Cli {
 
 /// What is known to be wrong with words that are no command line.
 fn known(words: &[OsString]) -> Option<CliError> {
-    moved::refused(words).or_else(|| run::without_gait(words))
+    moved::refused(words)
+        .or_else(|| run::without_gait(words))
+        .or_else(|| export::running::without_gait(words))
 }
 
 /// Parses the command line, runs its command and says how it went.

@@ -54,7 +54,7 @@ learn --tilings -> study seen_states 30 500
 learn --animate -> now saltus run policy FILE.json --animate FILE.html
 learn --shown -> gone `saltus learn --episodes 4` stops there: its policy can be run
 learn --replacing -> study seen_states 30 500
-parkour -> study parkour INSTANCES.json
+parkour -> study parkour
 export optimal -> study optimal 3 1.6 0.9 100
 export --gait -> now saltus export gait closed-loop --out DIR
 export --as -> gone saltus export policy writes C99, which a program in Rust links

@@ -73,7 +73,7 @@ pub(crate) struct Diagnose {
 pub(super) struct Claims {
     /// Error of the simulation itself, in standard deviations of a reading: what is smaller and
     /// smooth is shown, and not claimed [default: 0.1; with a robot 0.4]
-    #[arg(long, value_name = "SIGMAS", value_parser = sigmas)]
+    #[arg(long, value_name = "SIGMAS", allow_negative_numbers = true, value_parser = sigmas)]
     model_error: Option<f64>,
 
     /// What is known apart from the data: a parameter with a standard deviation, in the unit of its
@@ -82,7 +82,7 @@ pub(super) struct Claims {
     known: Vec<Known>,
 
     /// Most effects that are looked for at the same time [default: 3; of the kind tank-leg 6]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=6))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=6))]
     most: Option<u8>,
 
     #[command(flatten)]

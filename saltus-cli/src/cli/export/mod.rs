@@ -1,7 +1,7 @@
 //! `saltus export`: a robot, or what it is to do, as other programs take it.
 
 mod policy;
-mod running;
+pub(crate) mod running;
 mod tables;
 
 use clap::{Args, Subcommand, ValueEnum};

@@ -1,5 +1,7 @@
 //! `saltus export gait`: what decides on a running robot.
 
+use std::ffi::OsString;
+
 use clap::{Args, Subcommand};
 use saltus::export::{CFiles, Number};
 use saltus::gait::space::{Stable, Steered};
@@ -8,7 +10,7 @@ use super::{Real, Written};
 use crate::cli::Status;
 use crate::cli::common::{OutFolder, RobotFlags};
 use crate::cli::refused::refused;
-use crate::cli::run::{Law, Senses};
+use crate::cli::run::{Law, Senses, refused_gait};
 use crate::cli::with::With;
 use crate::error::CliError;
 
@@ -69,6 +71,22 @@ switches, and saltus_balancer_step says each cycle which legs fire. ball_tables.
 planes in which the robot can roll, ball_planes. With steer also ball_lead, for saltus_pilot_start and saltus_pilot_step, \
 which lead along a path. Angles of stations are rounded to 1e-12 rad, so that the files are the same on every \
 machine. controller/examples/ball.c is a control loop.";
+
+/// That the words of a line name no gait that can be exported.
+pub(crate) fn without_gait(words: &[OsString]) -> Option<CliError> {
+    let [export, gait, word, ..] = words else {
+        return None;
+    };
+    let all = Flashed::augment_subcommands(clap::Command::new("gait"));
+    let is_asked = export == "export" && gait == "gait";
+    is_asked.then(|| {
+        refused_gait(
+            ("export gait", &all),
+            word,
+            "export gait closed-loop --out DIR",
+        )
+    })?
+}
 
 impl OfGait {
     pub(super) fn run(self) -> Result<Status, CliError> {

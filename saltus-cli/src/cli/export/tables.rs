@@ -102,7 +102,7 @@ struct TableFlags {
 
     /// Newton steps on the lift-off map that refine a firing angle, 0 to 3; other landing heights
     /// need at least 1
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(0..=3), default_value = "0")]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(0..=3), default_value = "0")]
     newton: u8,
 
     /// By how much the valve answers later than the robot file's delay (s)

@@ -17,11 +17,11 @@ use crate::progress::Progress;
 #[derive(Args, Debug)]
 pub(super) struct Learning {
     /// Runs in a round from which the table for a sensed box is made [default: 1500]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     runs: Option<u32>,
 
     /// Rounds [default: 5]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u8).range(1..=50))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=50))]
     rounds: Option<u8>,
 
     /// Least distance to run up (m); nearer to a sensed box than this, the robot backs off first; 0:

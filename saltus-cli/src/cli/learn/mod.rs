@@ -67,19 +67,19 @@ pub(crate) struct Learn {
     state: Vec<(String, Bin)>,
 
     /// Episodes [default: 1000, with traces 100; climb 500; run-zone 40; run-stride 500; jump-stride 2000]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     episodes: Option<u32>,
 
     /// Steps of an episode at most [default: run-legs 1000, climb 2000, run-zone 360, by strides 60]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: Option<u32>,
 
     /// Seeds, each of which learns alone
-    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 30, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     seeds: u32,
 
     /// The first seed
-    #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = seed)]
+    #[arg(long, value_name = "SEED", default_value_t = 1, allow_negative_numbers = true, value_parser = seed)]
     seed: u64,
 
     /// Draw the robot of each episode around the given one, as `saltus run` with --robots does
@@ -91,7 +91,7 @@ pub(crate) struct Learn {
     disturb: Vec<Typed>,
 
     /// Go on from this file, which `saltus learn --out` wrote as JSON, with its settings, seeds and robot, to more --episodes
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = SETTINGS)]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = SETTINGS.split(' '))]
     resume: Option<PathBuf>,
 
     #[command(flatten)]
@@ -108,23 +108,8 @@ pub(crate) struct Learn {
 }
 
 /// Flags of what a file to go on from says itself.
-const SETTINGS: [&str; 15] = [
-    "algorithm",
-    "alpha",
-    "gamma",
-    "lambda",
-    "epsilon",
-    "decay",
-    "reward",
-    "state",
-    "steps",
-    "seeds",
-    "seed",
-    "draw",
-    "disturb",
-    "robot",
-    "overrides",
-];
+const SETTINGS: &str = "algorithm alpha gamma lambda epsilon decay reward state \
+    steps seeds seed draw disturb robot overrides";
 
 const LONG_HELP: &str = "\
 Examples:

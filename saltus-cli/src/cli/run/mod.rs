@@ -14,7 +14,7 @@ mod rows;
 mod telemetry;
 mod values;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -49,7 +49,7 @@ use telemetry::{MANIFEST, SETTINGS, Telemetry};
 /// Longest run with a page to watch (s).
 const LONGEST_FILM: f64 = 60.0;
 
-/// Run a robot: five legs fired in turn by the controller, in the multi-body simulation
+/// Run a robot: legs fired in turn by the controller, in the multi-body simulation
 #[derive(Args, Debug)]
 #[command(
     after_help = "`saltus run --help` explains the output, `saltus run closed-loop --help` the flags of a gait.",
@@ -282,19 +282,29 @@ impl Run {
     }
 }
 
-/// That the words of a line name no gait.
+/// That the words of a line name no gait where one comes first.
 pub(crate) fn without_gait(words: &[OsString]) -> Option<CliError> {
-    let [command, first, ..] = words else {
-        return None;
-    };
-    if command != "run" || Gait::has_subcommand(&first.to_string_lossy()) {
+    if words.first()? != "run" {
         return None;
     }
     let all = Gait::augment_subcommands(clap::Command::new("run"));
+    refused_gait(("run", &all), words.get(1)?, "run closed-loop --seconds 5")
+}
+
+/// That `word` is none of the gaits of `all`, which come first as in `example`.
+pub(crate) fn refused_gait(
+    (flag, all): (&'static str, &clap::Command),
+    word: &OsStr,
+    example: &str,
+) -> Option<CliError> {
     let names: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
+    let word = word.to_string_lossy();
+    if names.contains(&word.as_ref()) || word == "help" {
+        return None;
+    }
     let names = names.join(", ");
-    let allowed = format!("a gait, as in saltus run closed-loop --seconds 5: {names}");
-    Some(CliError::flag("run", first.to_string_lossy(), allowed))
+    let allowed = format!("a gait, which comes first, as in saltus {example}: {names}");
+    Some(CliError::flag(flag, word, allowed))
 }
 
 impl InPlane {

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use saltus::Launch;
+use saltus::{Launch, Robot};
 
 use crate::cli::terms::VALVE_OPEN;
+use crate::cli::verify::check_robot;
 use crate::columns::{self, Column, Need};
 use crate::error::CliError;
 use crate::input;
+use crate::output::message;
 use crate::quantity::Quantity;
 
 /// Greatest size of a file (MiB): some millions of rows.
@@ -22,8 +24,13 @@ const COLUMNS: [Column; 4] = [
 ];
 
 /// The launches in the file at `path`, each with its line.
-pub(super) fn load(path: &Path) -> Result<Vec<(u64, Launch)>, CliError> {
-    read(&input::bytes(path, LIMIT_MIB)?, &path.display().to_string())
+pub(super) fn load(path: &Path, robot: &Robot) -> Result<Vec<(u64, Launch)>, CliError> {
+    let (source, file) = (input::bytes(path, LIMIT_MIB)?, path.display().to_string());
+    // Whoever flies a table on another robot may mean it.
+    if let Err(error) = check_robot(&source, &file, robot) {
+        message(&format!("note: {error}"));
+    }
+    read(&source, &file)
 }
 
 /// The launches that `source` holds; messages call it `file`.

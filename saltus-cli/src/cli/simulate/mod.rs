@@ -161,7 +161,7 @@ impl Simulate {
     /// The launches, and the lines of the batch on which they stand.
     fn launches(&self, robot: &Robot) -> Result<(Vec<Launch>, Vec<u64>), CliError> {
         match &self.batch {
-            Some(path) => Ok(batch::load(path)?
+            Some(path) => Ok(batch::load(path, robot)?
                 .into_iter()
                 .map(|(line, launch)| (launch, line))
                 .unzip()),

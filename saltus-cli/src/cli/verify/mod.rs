@@ -9,6 +9,8 @@ mod report;
 mod subject;
 mod table_file;
 
+pub(crate) use table_file::check_robot;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -45,19 +47,19 @@ pub(crate) struct Verify {
     restart: bool,
 
     /// How far (m) a landing may be from where it is wanted
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
     tolerance: f64,
 
     /// Least distance (m) in flight between wheel and boxes [default: clearance_m of the course; a
     /// law or a table touches no box]
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::height, help_heading = "What passes")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = quantity::height, help_heading = "What passes")]
     clearance: Option<f64>,
 
     #[command(flatten)]
     errors: ErrorFlags,
 
     /// Size of the drawn errors, as a multiple of the robot's [errors]
-    #[arg(long, value_name = "FACTOR", value_parser = quantity::factor, default_value = "1")]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = quantity::factor, default_value = "1")]
     scatter: f64,
 
     /// Write a page that plays the jumps in a browser: those without errors, and the worst of the

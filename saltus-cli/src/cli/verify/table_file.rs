@@ -283,7 +283,7 @@ impl TableFile {
 }
 
 /// That the table was made for the planner's robot, where it says for which.
-fn check_robot(source: &[u8], file: &str, robot: &Robot) -> Result<(), CliError> {
+pub(crate) fn check_robot(source: &[u8], file: &str, robot: &Robot) -> Result<(), CliError> {
     let Some((line, [name, hash])) = columns::words(source, file, ["robot", "robot_sha256"])?
     else {
         return Ok(());
