@@ -6,7 +6,7 @@
 /// for something else.
 pub(crate) fn named(document: &str) -> Vec<Vec<String>> {
     const COMMANDS: &str =
-        "simulate table law map plan verify filling run jump diagnose fit export c rust mjcf urdf";
+        "simulate table law map plan verify filling run jump diagnose design inject fit export c rust mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")
