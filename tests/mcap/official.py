@@ -68,12 +68,15 @@ def table(path):
 
 def twice(binary, folder, name, *words, codes=(0,)):
     """The file that a command writes, which must be the same the second time."""
-    files = [folder / f"{name}{k}.mcap" for k in "ab"]
-    for file in files:
+    # The file says which command wrote it, and so where.
+    file, both = folder / f"{name}.mcap", []
+    for _ in range(2):
+        file.unlink(missing_ok=True)
         command(binary, *words, "--mcap", file, codes=codes)
-    first, second = (file.read_bytes() for file in files)
+        both.append(file.read_bytes())
+    first, second = both
     expect(first == second, f"{' '.join(map(str, words))}: the second file has other bytes")
-    return files[0]
+    return file
 
 
 def plain(value):
