@@ -210,7 +210,8 @@ def run(binary, folder):
     telemetry = folder / "telemetry"
     command(binary, *words, "--telemetry", telemetry)
     topics, about = decoded(file)
-    expect(about["command"] == f"saltus {' '.join(words)}" and about["seed"] == "1", f"metadata: {about}")
+    said = f"saltus {' '.join(words)} --mcap {file}"
+    expect(about["command"] == said and about["seed"] == "1", f"metadata: {about}")
     is_measured(topics["/measured"], table(telemetry / "run.csv"), "run")
     cycles, joints, legs = table(telemetry / "cycles.csv"), topics["/joint_states"], topics["/leg"]
     times = [round(float(row["time_s"]) * 1e9) for row in cycles]
