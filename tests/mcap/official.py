@@ -240,7 +240,7 @@ def run(binary, folder):
 
 def ball(binary, folder):
     """The run of a robot in space: place, attitude and feet by /tf are the numbers of its rows."""
-    words = ["run", "--robot", "rats-twelve", "--seconds", "1"]
+    words = ["run", "disc-stable", "--robot", "rats-twelve", "--seconds", "1"]
     topics, _ = decoded(twice(binary, folder, "ball", *words))
     logs = folder / "ball-telemetry"
     command(binary, *words, "--telemetry", logs)

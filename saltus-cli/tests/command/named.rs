@@ -5,8 +5,7 @@
 /// Not those without arguments, which only name a command, nor forms, whose words in capitals stand
 /// for something else.
 pub(crate) fn named(document: &str) -> Vec<Vec<String>> {
-    const COMMANDS: &str =
-        "simulate table law map plan verify filling run jump diagnose design inject fit export c rust mjcf urdf";
+    const COMMANDS: &str = "simulate table law map plan verify filling run jump diagnose design inject fit export c rust gait disc-stable mjcf urdf";
     let in_blocks = document.lines().filter_map(|line| {
         let line = line.strip_prefix("$ ").unwrap_or(line);
         line.trim_start().strip_prefix("saltus ")

@@ -163,7 +163,11 @@ fn a_share_that_cannot_be_had_is_said() {
     ] {
         assert!(text.contains(words), "{words}\n{text}");
     }
-    refused(&folder, "plan high.toml --share 1.1", &["--share", "0 to 1"]);
+    refused(
+        &folder,
+        "plan high.toml --share 1.1",
+        &["--share", "0 to 1"],
+    );
     refused(&folder, "plan high.toml --samples 50", &["--share"]);
 }
 
