@@ -305,17 +305,17 @@ impl Data {
     }
 }
 
-/// What is asked of the model of a run: the truths behind its readings.
+/// A question to the model of a run: the true values behind its readings.
 pub struct Asked<'a> {
     /// The run.
     pub run: usize,
     /// The terms that are on.
     pub terms: &'a Terms,
-    /// What is not known of the run.
+    /// The unknowns of the run, in the units of their names.
     pub unknowns: &'a [f64],
     /// The instrument of each channel.
     pub sensors: Vec<Sensor>,
-    /// When (s) the truth of each reading was.
+    /// Time (s) of the true value behind each reading.
     pub times: Vec<f64>,
 }
 

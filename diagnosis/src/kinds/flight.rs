@@ -143,8 +143,7 @@ enum Effect {
     Wind,
 }
 
-/// What common sense knows: one standard deviation of gravity (m/s²) and of the scale of a length, and
-/// why each is known.
+/// Prior standard deviations of gravity (m/s²) and of the scale of a length, each with its reason.
 type CommonSense = [(f64, &'static str); 2];
 
 /// Of a body that nothing holds: gravity differs by 0.05 m/s² between equator and pole, and by 0.03

@@ -29,8 +29,8 @@ impl Input {
         Input { time, values }
     }
 
-    /// The truth at `time` (s) that `sensor` has measured, on the line between two rows; `at` is the
-    /// last row before, from which the search goes on.
+    /// The truth at `time` (s) that `sensor` has measured, on the line between two rows. The
+    /// search begins at row `at`, which becomes the row before that time.
     pub(super) fn truth(&self, time: f64, sensor: &Sensor, at: &mut usize) -> f64 {
         let Some((a, b, share)) = self.rows(sensor.shown(time), at) else {
             return 0.0;

@@ -83,8 +83,8 @@ pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn K
     (experiment.kind.spec().model)(experiment, robot)
 }
 
-/// What each cause of an experiment does in the model of its kind; none for faults of sensors, of
-/// which a model knows nothing.
+/// The effect of each cause in the model of its kind; none for faults of sensors, which the engine
+/// applies.
 #[derive(Clone, Debug)]
 struct Causes<E>(Vec<Option<E>>);
 

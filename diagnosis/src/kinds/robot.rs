@@ -334,7 +334,7 @@ impl Firings {
     }
 }
 
-/// What a sensor of `column` makes of the pose, or of the outcome.
+/// The true value of `column` in a pose; `gyro` is the sign with which the gyro feels the boom's turn.
 fn sensed(column: Column, pose: &Pose, gyro: f64) -> f64 {
     let boom = pose.boom.unwrap_or_default();
     match column {

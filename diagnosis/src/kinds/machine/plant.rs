@@ -40,7 +40,7 @@ pub(super) struct Change {
     pub(super) second: Vec<f64>,
     /// Stiffness of each spring in terms of what is believed.
     pub(super) springs: Vec<f64>,
-    /// What measures each drive.
+    /// The sensor of each drive's column.
     pub(super) drives: Vec<Sensor>,
     /// Slope (rad) of the ground, uphill positive.
     pub(super) slope: f64,
