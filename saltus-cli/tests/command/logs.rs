@@ -577,3 +577,45 @@ fn right_data_are_not_refused() {
         judge(&entry.path());
     }
 }
+
+/// A stamp that leaves all others behind is refused with its row; lines with # are no rows.
+#[test]
+fn a_lost_stamp_is_refused_and_comments_are_skipped() {
+    let folder = Folder::new("logs-stamp");
+    std::fs::create_dir(folder.path("d")).unwrap();
+    folder.write(
+        "d/experiment.toml",
+        "kind = \"pendulum\"\n[noise]\nangle_rad = 1e-3\n[rig]\nmass_kg = 0.5\n\
+         centre_from_axle_m = 0.1\ninertia_about_centre_kg_m2 = 1e-3\n[[run]]\nfile = \"a.csv\"\n",
+    );
+    let rows = |stamp: &str| {
+        let mut text = format!("# a comment\ntime_s,angle_rad\n0,0.1\n{stamp},0.1\n");
+        for k in 0..100 {
+            let time = f64::from(k) * 0.01;
+            let _ = writeln!(text, "{},{}", 1.7e9 + 0.5 + time, 0.1 * (10.0 * time).cos());
+        }
+        text
+    };
+    folder.write("d/a.csv", rows("1700000000.25"));
+    let run = folder.run(&["diagnose", "d"]);
+    assert_eq!(run.code, Some(2), "{}", run.out);
+    assert!(
+        run.err.contains("a.csv:4: time_s = 1700000000.25") && run.err.contains("stamps wrong"),
+        "{}",
+        run.err
+    );
+    folder.done("inject --kind pendulum --out e", 0);
+    let name = folder
+        .names_in("e")
+        .into_iter()
+        .find(|name| name.starts_with("run"))
+        .unwrap();
+    let text = folder.read(&format!("e/{name}"));
+    folder.write(&format!("e/{name}"), format!("# by hand\n{text}"));
+    let told = folder.done("diagnose e", 0);
+    let note = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        note.contains("1 line left out that begins with #"),
+        "{note}"
+    );
+}

@@ -11,6 +11,8 @@ use saltus_diagnosis::spec::Spec;
 
 /// A step so many times the usual one is a gap.
 const GAP: f64 = 10.0;
+/// A step so many times all others together is no part of a run.
+const LOST: f64 = 100.0;
 /// Most rows that are read again to say what is wrong with their order.
 const MOST_AGAIN: usize = 4_000_000;
 
@@ -19,8 +21,10 @@ const MOST_AGAIN: usize = 4_000_000;
 pub(super) struct Clock {
     /// First and last.
     span: Option<(Instant, Instant)>,
-    /// Longest step (ps), and the line where it ends.
-    longest: Option<(i128, u64)>,
+    /// Longest step (ps), and the line and the instant where it ends.
+    longest: Option<(i128, u64, Instant)>,
+    /// How many steps.
+    steps: usize,
 }
 
 impl Clock {
@@ -31,9 +35,10 @@ impl Clock {
             return;
         };
         let step = time.picoseconds_since(*last);
-        if self.longest.is_none_or(|(longest, _)| step > longest) {
-            self.longest = Some((step, line));
+        if self.longest.is_none_or(|(longest, ..)| step > longest) {
+            self.longest = Some((step, line, time));
         }
+        self.steps += 1;
         *last = time;
     }
 
@@ -50,6 +55,17 @@ impl Clock {
         spec: &Spec,
         command: Option<Instant>,
     ) -> Result<(), Error> {
+        if let (Some((first, last)), Some((longest, line, after))) = (self.span, self.longest) {
+            let (longest, all) = (longest as f64 * 1e-12, last.since(first));
+            if self.steps > 1 && longest > LOST * (all - longest) {
+                let symptom = format!(
+                    "= {after} is {longest:.2e} s after the row before, and all other rows are \
+                     within {:.2e} s: is one of the two stamps wrong?",
+                    all - longest
+                );
+                return Err(Error::signal(format!("{file}:{line}"), "time_s", symptom));
+            }
+        }
         let span = self
             .span
             .map(|(from, to)| (command.map_or(from, |command| command.min(from)), to));
@@ -67,7 +83,7 @@ impl Clock {
 
     /// A note of the longest gap, if there is one, in a run of which these rows are kept.
     pub(super) fn gap(&self, name: &str, kept: &Thinned) -> Option<String> {
-        let (longest, line) = self.longest?;
+        let (longest, line, _) = self.longest?;
         let longest = longest as f64 * 1e-12;
         let mut steps: Vec<f64> = kept
             .time

@@ -25,6 +25,8 @@ pub(super) struct Lines {
     file: String,
     number: u64,
     buffer: Vec<u8>,
+    /// Lines that begin with #, which are no rows.
+    pub(super) comments: u64,
 }
 
 impl Lines {
@@ -50,10 +52,11 @@ impl Lines {
             file,
             number: 0,
             buffer: Vec::new(),
+            comments: 0,
         }
     }
 
-    /// The next line that is not blank, with its number from 1.
+    /// The next line that is neither blank nor a comment, with its number from 1.
     pub(super) fn next(&mut self) -> Result<Option<(u64, &[u8])>, Error> {
         loop {
             self.buffer.clear();
@@ -72,7 +75,10 @@ impl Lines {
             if self.buffer.is_empty() {
                 return Ok(None);
             }
-            if !self.buffer.trim_ascii().is_empty() {
+            let text = self.buffer.trim_ascii_start();
+            if text.starts_with(b"#") {
+                self.comments += 1;
+            } else if !text.is_empty() {
                 return Ok(Some((self.number, self.buffer.trim_ascii_end())));
             }
         }

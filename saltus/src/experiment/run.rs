@@ -94,6 +94,17 @@ fn rows<'a>(
         }
     }
     progress(log.rows % PACE);
+    if lines.comments > 0 {
+        let (name, count) = (&log.name, lines.comments);
+        let (lines, are) = if count == 1 {
+            ("line", "begins")
+        } else {
+            ("lines", "begin")
+        };
+        log.odd.push(format!(
+            "{name}: {count} {lines} left out that {are} with #"
+        ));
+    }
     Ok(log)
 }
 
