@@ -1,29 +1,24 @@
-//! A diagnosis from its data to its answer: the stages in turn.
+//! A diagnosis from its data to its answer.
 
-use rand_pcg::Pcg64;
-
-use crate::evidence::Evidence;
-use crate::finding::{Alone, Candidate, Diagnosis, Finding, Reported};
+use crate::finding::{Alone, Candidate, Diagnosis, Finding, Fitness, Reported};
 use crate::fit::{self, Fit};
-use crate::fitness;
-use crate::gain::{self, Gain};
-use crate::kind::Kind;
+use crate::folds::{Fold, folds};
+use crate::gain::{self, Score};
+use crate::kind::{Kind, Parameter};
+use crate::likelihood::Scatter;
+use crate::next;
 use crate::policy::POLICY;
 use crate::report;
+use crate::residuals::worst;
+use crate::search::{Search, Set, does_something};
 use crate::settings::Settings;
-use crate::stages::add::{self, Added};
-use crate::stages::exchange::{exchange, one_for_two};
-use crate::stages::prune::prune;
-use crate::stages::unknown::{self, Before, Judged};
-use crate::stages::{pairs, rivals, small};
 use crate::view::View;
+
+/// Rivals that are named with a cause; the others are less likely. An answer with more names is no answer.
+pub(crate) const MOST_RIVALS: usize = 2;
 
 /// Which causes make the model of an experiment wrong; `progress` is told what is being done. None
 /// where the model has no answer at its first guesses.
-///
-/// If even the richest model, or one term without a name, leaves much more than the stated noise,
-/// the instruments drift, or something is at work that no cause explains. The search is then done
-/// again with the observed scatter in place of the stated noise.
 pub fn diagnose(
     kind: &dyn Kind,
     settings: &Settings,
@@ -31,225 +26,406 @@ pub fn diagnose(
 ) -> Option<Diagnosis> {
     progress("fitting the model as it is");
     let view = View::new(kind, settings);
-    let stated = Search::new(&view, settings, progress, None)?;
-    let Some(seen) = stated.rescaled(&view) else {
-        return Some(stated.conclude(&view));
-    };
-    let search = Search::new(&seen, settings, progress, Some(stated.told()))?;
-    // Readings that scatter independently are no fault of the model: jumps of a robot are never
-    // quite the same.
-    let judged_by = if fitness::is_white(&seen, &search.added.model) {
-        &seen
-    } else {
-        &view
-    };
-    let mut diagnosis = search.conclude(judged_by);
-    for (gain, channel) in diagnosis.gains.iter_mut().zip(view.channels()) {
-        gain.noise = channel.noise;
+    let mut search = Search::new(&view, settings, progress)?;
+    search.start_near(settings);
+    search.look();
+    search.explore();
+    search.follow();
+    progress("what else could be");
+    let folds = folds(&view, settings);
+    let causes = search.claimed();
+    let causes = search.worth(&view, causes, &folds);
+    Some(Answer::new(&view, &search, settings, causes, folds)?.tell(progress))
+}
+
+impl Search<'_> {
+    /// The most probable set, without causes with which the data are hardly more probable.
+    fn claimed(&self) -> Vec<usize> {
+        let mut causes = self.best();
+        let but = |causes: &[usize], k: usize| {
+            let mut less = causes.to_vec();
+            less.remove(k);
+            let now = self.sets[causes].best();
+            let set = self.sets.get(&less)?;
+            (set.best() > now - POLICY.claim.ln()).then_some(less)
+        };
+        while let Some(less) = (0..causes.len()).find_map(|k| but(&causes, k)) {
+            causes = less;
+        }
+        causes
     }
-    Some(diagnosis)
+
+    /// `causes` as far as they are claimed where something unknown is left: what is bent to the unknown
+    /// does not predict data that were left out.
+    fn worth(&mut self, view: &View, mut causes: Vec<usize>, folds: &[Fold]) -> Vec<usize> {
+        /// Part of a cause's effect that may be left: with more of it in the cause's shape, 95 % intervals
+        /// hold that the cause is not there.
+        const HIDDEN: f64 = 0.5;
+        while let Some(set) = self.sets.get(&causes).filter(|set| set.is_short()).cloned() {
+            let scatter = &set.likely.scatter;
+            let seen = view.scattering(scatter, &vec![1.0; scatter.len()]);
+            let loss = |of: &[usize]| -> Option<f64> {
+                let model = Fit {
+                    scales: vec![1.0; scatter.len()],
+                    ..self.sets.get(of)?.fit.clone()
+                };
+                let scores = gain::held_out(&seen, &model, folds)?;
+                Some(scores.iter().map(|score| score.loss).sum())
+            };
+            let Some(now) = loss(&causes) else {
+                return causes;
+            };
+            let but = |gone: usize| {
+                let mut less = causes.clone();
+                less.retain(|c| *c != gone);
+                less
+            };
+            let without = causes.iter().filter_map(|c| Some((loss(&but(*c))?, *c)));
+            let least = without.min_by(|a, b| a.0.total_cmp(&b.0));
+            let least = least.filter(|(loss, _)| *loss <= (1.0 + POLICY.worth) * now);
+            let hidden = || {
+                let mut all = causes.iter().copied();
+                all.find(|c| share(view, &set.fit, *c) > HIDDEN)
+            };
+            let Some(gone) = least.map(|(_, cause)| cause).or_else(hidden) else {
+                let none = loss(&[]).unwrap_or(f64::INFINITY);
+                let is_little = now > (1.0 - POLICY.explained) * none;
+                return if is_little { Vec::new() } else { causes };
+            };
+            let less = but(gone);
+            if !self.sets.contains_key(&less) {
+                let Some(fitted) = self.without(set.fit.clone(), gone) else {
+                    return causes;
+                };
+                self.sets.insert(less.clone(), fitted);
+            }
+            causes = less;
+        }
+        causes
+    }
 }
 
-/// A search after forward selection.
-struct Search<'a> {
-    evidence: Evidence<'a>,
+/// What `fit` leaves of the readings in terms of what `cause` does to them there, 1 at most.
+fn share(kind: &dyn Kind, fit: &Fit, cause: usize) -> f64 {
+    let mut without = fit.terms.clone();
+    for (p, parameter) in kind.causes()[cause].parameters.iter().enumerate() {
+        without.set(cause, p, parameter.neutral);
+    }
+    let (mut left, mut change) = (0.0, 0.0);
+    for run in 0..kind.logs().len() {
+        let of = |terms| fit::residuals(kind, run, terms, &fit.unknowns[run]);
+        let (Some(now), Some(then)) = (of(&fit.terms), of(&without)) else {
+            continue;
+        };
+        left += now.iter().map(|r| r * r).sum::<f64>();
+        let moved = now.iter().zip(&then).map(|(a, b)| (a - b) * (a - b));
+        change += moved.sum::<f64>();
+    }
+    (left / f64::max(change, left)).sqrt()
+}
+
+struct Answer<'a> {
+    view: &'a View<'a>,
+    search: &'a Search<'a>,
+    settings: &'a Settings,
+    /// The experiment with the noise as it was found; and with what that is worth where readings follow
+    /// each other.
+    seen: View<'a>,
+    wide: View<'a>,
+    causes: Vec<usize>,
+    set: &'a Set,
     before: Fit,
-    added: Added,
-    random: Pcg64,
+    after: Fit,
+    folds: Vec<Fold>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> Answer<'a> {
     fn new(
-        kind: &'a dyn Kind,
+        view: &'a View<'a>,
+        search: &'a Search<'a>,
         settings: &'a Settings,
-        progress: &'a (dyn Fn(&str) + Sync),
-        told: Option<Vec<usize>>,
-    ) -> Option<Search<'a>> {
-        let mut evidence = Evidence::new(kind, settings, progress, told.is_some());
-        evidence.hints = told.unwrap_or_default();
-        let mut random = Pcg64::new(u128::from(settings.seed), 7);
-        let before = fit::fit_none(kind, &evidence.runs)?;
-        let added = add::forward(&evidence, &before, &mut random)?;
-        Some(Search {
-            evidence,
+        mut causes: Vec<usize>,
+        folds: Vec<Fold>,
+    ) -> Option<Answer<'a>> {
+        let mut set = &search.sets[&causes];
+        let scatter = &set.likely.scatter;
+        let seen = view.scattering(scatter, &vec![1.0; scatter.len()]);
+        let wide = view.scattering(scatter, &search.expected.together());
+        let runs: Vec<usize> = (0..view.logs().len()).collect();
+        let of = |fit: &Fit| {
+            let fit = Fit {
+                scales: vec![1.0; view.channels().len()],
+                ..fit.clone()
+            };
+            fit::refit(&seen, fit, &runs, &None, fit::STEPS)
+        };
+        let (before, mut after) = (of(&search.sets[&Vec::new()].fit)?, of(&set.fit)?);
+        // One that does nothing where the noise that was found is given is none.
+        while let Some(k) = causes
+            .iter()
+            .position(|c| !does_something(view, *c, &after))
+        {
+            let mut less = causes.clone();
+            less.remove(k);
+            let Some(smaller) = search.sets.get(&less) else {
+                break;
+            };
+            (causes, set, after) = (less, smaller, of(&smaller.fit)?);
+        }
+        Some(Answer {
+            view,
+            search,
+            settings,
+            seen,
+            wide,
+            causes,
+            set,
             before,
-            added,
-            random,
+            after,
+            folds,
         })
     }
 
-    /// Causes that alone told much, or were found on the way.
-    fn told(&self) -> Vec<usize> {
-        let tried = &self.added.tried;
-        let best = tried.iter().map(|c| c.gain).fold(0.0, f64::max);
-        let much = tried.iter().filter(|c| c.gain > POLICY.gain_of_far * best);
-        let mut all: Vec<usize> = much.map(|c| c.cause).collect();
-        all.extend(&self.added.richest.causes);
-        all
-    }
-
-    /// The experiment with the observed scatter; none where that is about the stated noise.
-    fn rescaled<'k>(&self, view: &View<'k>) -> Option<View<'k>> {
-        let seen = view.rescaled(&self.added.richest)?;
-        // A term without a name may explain what the causes leave.
-        unknown::describe(&self.evidence, &self.before)
-            .is_none_or(|term| view.rescaled(&term.fit).is_some())
-            .then_some(seen)
-    }
-
-    /// The answer; `stated` is the experiment with the noise that its residuals are judged by.
-    fn conclude(mut self, stated: &dyn Kind) -> Diagnosis {
-        let (model, inflation) = self.refined();
-        let fitness_before =
-            unknown::fitness(&self.evidence, stated, &self.before, &mut self.random);
-        let before = Before {
-            model: &self.before,
-            fitness: &fitness_before,
-            stated,
-        };
-        let mut judged =
-            unknown::judge(&self.evidence, &before, model, inflation, &mut self.random);
-        self.evidence.says("what else could be");
-        let mut tried = std::mem::take(&mut self.added.tried);
-        let findings = self.findings(stated, &mut judged, &mut tried);
-        let small = if findings.is_empty() && judged.unknown.is_none() {
-            small::small(&self.evidence, &self.before, &tried)
-        } else {
-            None
-        };
-        let left = (!findings.is_empty() && judged.unknown.is_none() && judged.fitness.is_gross)
-            .then(|| judged.fitness.worst(stated, &judged.model))
+    fn tell(self, progress: &dyn Fn(&str)) -> Diagnosis {
+        let kind = self.view;
+        let mut findings: Vec<Finding> = self
+            .causes
+            .iter()
+            .filter(|c| **c < kind.listed())
+            .map(|c| self.finding(*c))
+            .collect();
+        findings.sort_by(|a, b| b.best.log_odds.total_cmp(&a.best.log_odds));
+        let has_term = self.causes.iter().find(|c| **c >= kind.listed());
+        let is_short = self.set.is_short() || has_term.is_some();
+        let term = has_term.map(|c| {
+            let mut term = self.candidate(*c, self.set, self.less(*c));
+            report::report(&self.wide, &mut term, &[], false);
+            term
+        });
+        progress("data left out");
+        let tried = self.tried();
+        let alone = tried
+            .first()
+            .filter(|_| self.causes.len() > 1)
+            .map(|cause| Alone {
+                rms: self
+                    .gains(&cause.fit)
+                    .into_iter()
+                    .map(|gain| gain.rms.1)
+                    .collect(),
+                cause: cause.clone(),
+            });
+        let fitness = (
+            self.fitness(&self.search.sets[&Vec::new()]),
+            self.fitness(self.set),
+        );
+        let unknown = is_short
+            .then(|| worst(self.view, &self.after, self.unlisted()))
             .flatten();
-        self.evidence.says("data left out");
+        let mut gains = self.gains(&self.after);
+        for (gain, channel) in gains.iter_mut().zip(self.view.channels()) {
+            gain.noise = channel.noise;
+        }
         Diagnosis {
             findings,
-            left,
-            common: self.common(&judged),
-            alone: self.alone(&judged.model, &tried),
-            unknown: judged.unknown,
-            small,
-            term: judged.term,
+            common: self.common(),
+            alone,
+            unknown,
+            term,
             tried,
-            gains: self.gains(&judged.model),
+            gains,
             before: self.before,
-            after: judged.model,
-            fitness: (fitness_before, judged.fitness),
-            inflation: judged.inflation,
+            after: self.after,
+            fitness,
         }
     }
 
-    /// The causes that were added, compared with pairs, exchanged and pruned; with the variance
-    /// inflation by which further gains are judged.
-    fn refined(&mut self) -> (Fit, f64) {
-        let (evidence, added) = (&self.evidence, &self.added);
-        let (mut model, mut inflation) = (added.model.clone(), added.inflation);
-        if let Some(pair) = pairs::better(evidence, &self.before, &model, &added.pairs)
-            && let Some(better) = add::forward(evidence, &pair, &mut self.random)
-        {
-            (model, inflation) = (better.model, better.inflation);
-        }
-        model = exchange(evidence, model, inflation);
-        if let Some(better) = one_for_two(evidence, &model, inflation) {
-            inflation = evidence.inflation(&better);
-            model = better;
-        }
-        (prune(evidence, model, inflation), inflation)
+    /// The answer without one of its causes.
+    fn less(&self, cause: usize) -> &Set {
+        let mut less = self.causes.clone();
+        less.retain(|c| *c != cause);
+        self.search
+            .sets
+            .get(&less)
+            .unwrap_or(&self.search.sets[&Vec::new()])
     }
 
-    /// A finding for each cause; one for all where the data do not limit several.
-    fn findings(
-        &mut self,
-        stated: &dyn Kind,
-        judged: &mut Judged,
-        tried: &mut Vec<Candidate>,
-    ) -> Vec<Finding> {
-        let (evidence, before) = (&self.evidence, &self.before);
-        let of = |model: &Fit, tried: &[Candidate]| {
-            rivals::findings(evidence, model, judged.inflation, before, tried)
+    fn candidate(&self, cause: usize, set: &Set, base: &Set) -> Candidate {
+        let mut fit = Fit {
+            scales: vec![1.0; self.view.channels().len()],
+            ..set.fit.clone()
         };
-        let mut findings = of(&judged.model, tried);
-        if findings.len() > 1
-            && findings.iter().any(|finding| !finding.is_identifiable)
-            && let Some(one) =
-                rivals::one_for_all(evidence, before, &judged.model, tried, judged.inflation)
-        {
-            judged.fitness = unknown::fitness(evidence, stated, &one, &mut self.random);
-            judged.unknown = judged.fitness.unknown(stated, &one);
-            findings = of(&one, tried);
-            judged.model = one;
+        let runs: Vec<usize> = (0..self.view.logs().len()).collect();
+        let better = fit::refit(&self.wide, fit.clone(), &runs, &None, fit::STEPS);
+        if let Some(better) = better.filter(|better| does_something(self.view, cause, better)) {
+            fit = better;
         }
-        let [finding] = &mut findings[..] else {
-            return findings;
-        };
-        if let Some(unlisted) = judged.unlisted.take() {
-            // With it three are named at most.
-            let named = finding.rivals.len().min(POLICY.most_rivals - 1);
-            finding
-                .less_likely
-                .splice(0..0, finding.rivals.drain(named..));
-            finding.unlisted = Some(unlisted);
-            finding.next = rivals::next(evidence, finding);
-        }
-        if !finding.is_identifiable {
-            for rival in &finding.rivals {
-                tried.retain(|known| known.cause != rival.cause);
-                tried.push(Candidate {
-                    reported: Vec::new(),
-                    ..rival.clone()
-                });
+        let mut candidate = Candidate::new(self.view, cause, &base.fit, fit);
+        candidate.log_odds = set.best() - base.best();
+        candidate
+    }
+
+    fn finding(&self, cause: usize) -> Finding {
+        let base = self.less(cause);
+        let mut best = self.candidate(cause, self.set, base);
+        let known = report::report(&self.wide, &mut best, &self.bias(cause), true);
+        let mut others: Vec<(usize, &Set)> = Vec::new();
+        for (causes, set) in &self.search.sets {
+            let own: Vec<usize> = causes
+                .iter()
+                .copied()
+                .filter(|c| !self.causes.contains(c))
+                .collect();
+            let [other] = own[..] else { continue };
+            if causes.len() == self.causes.len() && !causes.contains(&cause) {
+                others.push((other, set));
             }
         }
-        findings
+        others.sort_by(|a, b| b.1.best().total_cmp(&a.1.best()));
+        let limit = POLICY.rival.ln();
+        let now = self.set;
+        let data = |set: &Set| set.best() - set.known;
+        let mut finding = Finding {
+            best,
+            rivals: Vec::new(),
+            less_likely: Vec::new(),
+            contradicting: Vec::new(),
+            unlisted: None,
+            held_out: f64::NAN,
+            undetermined: known.undetermined,
+            is_identifiable: !known.is_unlimited,
+            next: None,
+        };
+        let mut seen = vec![finding.best.id];
+        for (other, set) in others {
+            let is_rival = set.best() > now.best() - limit;
+            let is_contrary = !is_rival && data(set) > data(now) - limit;
+            let id = self.view.causes()[other].id;
+            if (!is_rival && !is_contrary) || seen.contains(&id) {
+                continue;
+            }
+            seen.push(id);
+            let mut candidate = self.candidate(other, set, base);
+            if other >= self.view.listed() {
+                report::report(&self.wide, &mut candidate, &[], false);
+                finding.unlisted.get_or_insert(candidate);
+                let named = finding.rivals.len().min(MOST_RIVALS - 1);
+                finding
+                    .less_likely
+                    .splice(0..0, finding.rivals.drain(named..));
+            } else if is_contrary {
+                finding.contradicting.push(candidate);
+            } else if finding.rivals.len() + usize::from(finding.unlisted.is_some()) < MOST_RIVALS {
+                report::report(&self.wide, &mut candidate, &[], known.is_unlimited);
+                finding.rivals.push(candidate);
+            } else {
+                finding.less_likely.push(candidate);
+            }
+        }
+        let losses = |model: &Fit| -> Option<f64> {
+            Some(self.scores(model)?.iter().map(|score| score.loss).sum())
+        };
+        finding.held_out = losses(&base.fit)
+            .zip(losses(&self.after))
+            .map_or(f64::NAN, |(a, b)| a - b);
+        let rivals = finding
+            .rivals
+            .iter()
+            .chain(&finding.less_likely)
+            .chain(&finding.unlisted);
+        let all: Vec<(usize, &Fit)> = std::iter::once(&finding.best)
+            .chain(rivals)
+            .map(|c| (c.cause, &c.fit))
+            .collect();
+        if all.len() > 1 {
+            finding.next = next::next(self.view, &all, &self.view.proposals());
+        }
+        finding
     }
 
-    /// What nobody knows of the machine, as `judged` has it.
-    fn common(&self, judged: &Judged) -> Vec<Reported> {
-        let (kind, before) = (self.evidence.kind, &self.before);
+    /// By how much each parameter of a cause may be off (its scales) where something unknown is left: all of
+    /// that may have the shape of the cause's effect; and causes that were not claimed may be at work.
+    fn bias(&self, cause: usize) -> Vec<f64> {
+        if !self.set.is_short() {
+            return Vec::new();
+        }
+        let parameters = &self.view.causes()[cause].parameters;
+        let share = share(self.view, &self.after, cause);
+        let most_probable = &self.search.sets[&self.search.best()].fit;
+        let of = |(p, parameter): (usize, &Parameter)| {
+            let value = self.after.terms.get(cause, p);
+            let shape = share * (value - parameter.neutral).abs();
+            let others = (value - most_probable.terms.get(cause, p)).abs();
+            let is_there = most_probable.causes.contains(&cause);
+            shape.max(if is_there { others } else { 0.0 }) / parameter.scale
+        };
+        parameters.iter().enumerate().map(of).collect()
+    }
+
+    /// Each cause alone, the most probable first.
+    fn tried(&self) -> Vec<Candidate> {
+        let none = &self.search.sets[&Vec::new()];
+        let mut all: Vec<(&Set, usize)> = self
+            .search
+            .sets
+            .iter()
+            .filter_map(|(causes, set)| match causes[..] {
+                [one] if one < self.view.listed() => Some((set, one)),
+                _ => None,
+            })
+            .collect();
+        all.sort_by(|a, b| b.0.best().total_cmp(&a.0.best()));
+        let of = |(set, cause): (&Set, usize)| {
+            let mut candidate = Candidate::new(self.view, cause, &none.fit, set.fit.clone());
+            candidate.log_odds = set.best() - none.best();
+            candidate
+        };
+        all.into_iter().map(of).collect()
+    }
+
+    fn scores(&self, model: &Fit) -> Option<Vec<Score>> {
+        let model = Fit {
+            scales: vec![1.0; self.view.channels().len()],
+            ..model.clone()
+        };
+        gain::held_out(&self.seen, &model, &self.folds)
+    }
+
+    fn gains(&self, after: &Fit) -> Vec<gain::Gain> {
+        let scores = [&self.before, after].map(|model| self.scores(model).unwrap_or_default());
+        gain::gains(&self.seen, &scores[0], &scores[1], self.settings)
+    }
+
+    fn common(&self) -> Vec<Reported> {
         let of = |cause| {
-            let mut one = Candidate::new(kind, cause, before, judged.model.clone());
-            report::report(kind, &mut one, judged.inflation, false);
+            let mut one = Candidate::new(self.view, cause, &self.before, self.after.clone());
+            report::report(&self.wide, &mut one, &[], false);
             one.reported
         };
-        (0..kind.common()).flat_map(of).collect()
+        (0..self.view.common()).flat_map(of).collect()
     }
 
-    /// Of several causes, the best alone.
-    fn alone(&self, after: &Fit, tried: &[Candidate]) -> Option<Alone> {
-        let cause = tried.first().filter(|_| after.causes.len() > 1)?.clone();
-        let gains = self.gains(&cause.fit);
-        Some(Alone {
-            rms: gains.into_iter().map(|gain| gain.rms.1).collect(),
-            cause,
-        })
+    fn fitness(&self, set: &Set) -> Fitness {
+        let expected = &self.search.expected;
+        let scatter = &set.likely.scatter;
+        let is_noise = |c: usize| !expected.is_beyond(c, scatter[c]);
+        Fitness {
+            noise: scatter.iter().map(|s| s.noise).collect(),
+            follows: expected.follows.clone(),
+            own_error: scatter.iter().map(|s| s.amplitude).collect(),
+            is_noise: (0..scatter.len()).map(is_noise).collect(),
+        }
     }
 
-    /// What the causes are worth on data left out, channel by channel.
-    fn gains(&self, after: &Fit) -> Vec<Gain> {
-        let evidence = &self.evidence;
-        let scores =
-            [&self.before, after].map(|model| evidence.held_out(model).unwrap_or_default());
-        gain::gains(evidence.kind, &scores[0], &scores[1], evidence.settings)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::toy::{Toy, noise, sum, wave};
-
-    /// A cause explains nearly all; what is left beside it is ten standard deviations of the noise.
-    #[test]
-    fn much_that_a_cause_leaves_is_said_though_it_is_a_small_part() {
-        let found = |left: f64| {
-            let data = sum(&[(2000.0, &wave(0)), (left, &wave(5)), (1.0, &noise(1))]);
-            let toy = Toy::new(&data, vec![wave(0), wave(9)]);
-            diagnose(&toy, &Settings::default(), &|_| {}).expect("an answer")
+    /// The channel in which most is left that is not noise.
+    fn unlisted(&self) -> usize {
+        let scatter = &self.set.likely.scatter;
+        let size = |c: &usize| {
+            let Scatter { noise, amplitude } = scatter[*c];
+            (noise * noise - 1.0).max(0.0)
+                + (amplitude / self.search.expected.amplitude[*c].max(1e-3)).powi(2)
         };
-        let much = found(200.0);
-        assert_eq!((much.findings.len(), &much.unknown), (1, &None));
-        let left = much.left.expect("much is left");
-        assert_eq!(left.channel, "y_m");
-        assert!((left.rms - 10.0).abs() < 2.0, "{left:?}");
-        assert_eq!(found(0.0).left, None);
+        let all = 0..scatter.len();
+        all.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 }

@@ -4,10 +4,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::{self, Fit};
-use crate::fitness;
 use crate::identifiability::Identifiability;
 use crate::kind::{Kind, Parameter};
-use crate::policy::POLICY;
+use crate::series::inflation;
 use crate::tangent::Tangent;
 
 /// Parameters fitted at the same time.
@@ -79,6 +78,10 @@ pub struct Residual {
     pub noise: f64,
 }
 
+/// Loss for each reading above which a fit is tried from other starts.
+const POOR: f64 = 1.5;
+/// Square of a parameter's part in a unit direction below which it has no part.
+const NO_PART: f64 = 0.01;
 /// Most steps of a fit.
 const STEPS: usize = 60;
 /// Exponents this near to a whole number are whole.
@@ -98,8 +101,8 @@ pub fn estimate(kind: &dyn Kind, causes: &[usize]) -> Option<Estimate> {
         .map(|&(c, p)| &kind.causes()[c].parameters[p])
         .collect();
     let values: Vec<f64> = places.iter().map(|&(c, p)| after.terms.get(c, p)).collect();
-    let inflation = fitness::inflation(kind, &after);
-    let tangent = Tangent::new(kind, &after, false)?;
+    let inflation = inflation(kind, &after);
+    let tangent = Tangent::new(kind, &after)?;
     let known = Uncertainty::new(&tangent.information(), &specs, &values, inflation);
     let parameters = specs
         .iter()
@@ -145,7 +148,7 @@ fn fitted(kind: &dyn Kind, before: &Fit, causes: &[usize], runs: &[usize]) -> Op
             for &start in &spec.starts {
                 if best
                     .as_ref()
-                    .is_some_and(|fit| fit.loss < POLICY.poor_fit * readings as f64)
+                    .is_some_and(|fit| fit.loss < POOR * readings as f64)
                 {
                     return best;
                 }
@@ -245,7 +248,7 @@ impl Uncertainty {
             // A change by all of a parameter that is within one standard error.
             let is_vague =
                 |i: usize| is_relative(i) && v[i].abs() > found.sizes[i] * part.max(1e-300).sqrt();
-            found.is_identifiable(k) && !(0..n).any(|i| v[i] * v[i] > POLICY.no_part && is_vague(i))
+            found.is_identifiable(k) && !(0..n).any(|i| v[i] * v[i] > NO_PART && is_vague(i))
         };
         Uncertainty {
             units,
@@ -259,9 +262,7 @@ impl Uncertainty {
     }
 
     fn is_identifiable(&self, i: usize) -> bool {
-        self.unidentified
-            .iter()
-            .all(|v| v[i] * v[i] < POLICY.no_part)
+        self.unidentified.iter().all(|v| v[i] * v[i] < NO_PART)
     }
 
     fn error(&self, i: usize) -> Option<f64> {
@@ -286,9 +287,7 @@ impl Uncertainty {
 
     fn undetermined(&self, values: &[f64]) -> Vec<Undetermined> {
         let direction = |v: &DVector<f64>| {
-            let involved: Vec<usize> = (0..v.len())
-                .filter(|&i| v[i] * v[i] > POLICY.no_part)
-                .collect();
+            let involved: Vec<usize> = (0..v.len()).filter(|&i| v[i] * v[i] > NO_PART).collect();
             let changes: Vec<f64> = involved.iter().map(|&i| v[i] / self.sizes[i]).collect();
             let most = changes.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             let sign = changes.first().map_or(1.0, |x| x.signum());
@@ -318,7 +317,7 @@ impl Uncertainty {
         let alone = |i: usize| {
             self.unidentified
                 .iter()
-                .filter(|v| v[i] * v[i] > POLICY.no_part)
+                .filter(|v| v[i] * v[i] > NO_PART)
                 .count()
                 == 1
         };

@@ -1,7 +1,6 @@
 //! What a diagnosis says: causes with their parameters, what else could be, and what is unknown.
 
 use crate::fit::Fit;
-use crate::fitness::{Fitness, Unknown};
 use crate::gain::Gain;
 use crate::kind::Kind;
 use crate::known::{self, Deviation};
@@ -20,9 +19,8 @@ pub struct Candidate {
     pub values: Vec<(String, f64)>,
     /// Index of the cause in its kind.
     pub cause: usize,
-    /// By how much the loss falls with it, where white noise would make it fall by about one for
-    /// each parameter.
-    pub gain: f64,
+    /// Logarithm (natural) of the odds for it, beside the same causes without it.
+    pub log_odds: f64,
     /// The model with it.
     pub fit: Fit,
     /// What is known of its parameters apart from the data.
@@ -41,7 +39,7 @@ impl Candidate {
             values: spec.report(fit.terms.of(cause)),
             cause,
             deviations: known::deviations(kind.causes(), cause, &fit.terms),
-            gain: base.loss - fit.loss,
+            log_odds: 0.5 * (base.loss - fit.loss),
             fit,
             reported: Vec::new(),
         }
@@ -103,17 +101,30 @@ pub struct Finding {
     pub next: Option<NextExperiment>,
 }
 
-/// Something that noise does not explain and the model's own error may: no cause is claimed.
-#[derive(Clone, Debug)]
-pub struct Small {
+/// What a model leaves of the data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitness {
+    /// White noise of each channel, in terms of the noise as it is stated or estimated beforehand.
+    pub noise: Vec<f64>,
+    /// Correlation of the noise of each reading of a channel with that of the one before; 0 where it is
+    /// white.
+    pub follows: Vec<f64>,
+    /// The model's own error in each channel, root mean square, in standard deviations of a reading.
+    pub own_error: Vec<f64>,
+    /// Whether what is left of each channel is noise, and no more of the model's own error than is
+    /// expected.
+    pub is_noise: Vec<bool>,
+}
+
+/// What is wrong, but not by which cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
     /// The channel that shows it most.
     pub channel: String,
-    /// How much it changes that channel, root mean square (the channel's unit).
+    /// Where in a run its mean square is greatest: the phase, or a part of the time.
+    pub phase: String,
+    /// Root mean square there, in the channel's unit.
     pub rms: f64,
-    /// The same in standard deviations of a reading.
-    pub sigmas: f64,
-    /// Causes that would explain it, the best first: three at most.
-    pub causes: Vec<Candidate>,
 }
 
 /// The cause that explains most by itself, where several were found.
@@ -135,11 +146,6 @@ pub struct Diagnosis {
     pub common: Vec<Reported>,
     /// Something that is wrong beyond them.
     pub unknown: Option<Unknown>,
-    /// What the causes leave, where that is far more than instruments do and still a small part of
-    /// what they explain: the form of one may be wrong.
-    pub left: Option<Unknown>,
-    /// Where nothing is wrong, what is visible nevertheless.
-    pub small: Option<Small>,
     /// The term of the state that describes it best, if one does on data left out too; it has no id
     /// of a cause.
     pub term: Option<Candidate>,
@@ -151,11 +157,8 @@ pub struct Diagnosis {
     pub before: Fit,
     /// The model with all findings.
     pub after: Fit,
-    /// How well they fit.
+    /// What they leave.
     pub fitness: (Fitness, Fitness),
-    /// By how much more than white noise the residuals weigh: variance times correlation time, at
-    /// least 1.
-    pub inflation: f64,
     /// Held-out gain of each channel.
     pub gains: Vec<Gain>,
 }

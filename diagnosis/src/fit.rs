@@ -4,22 +4,25 @@ use std::time::{Duration, Instant};
 
 use nalgebra::{DMatrix, DVector};
 use saltus_numeric::parallel;
-use saltus_numeric::statistics::dot;
+use saltus_numeric::statistics::{dot, median};
 
-use crate::kind::{Kind, Parameter, Reading, Terms};
-use crate::policy::POLICY;
+use crate::kind::{Channel, Kind, Parameter, Reading, Terms, is_of};
+use crate::sensor::Fault;
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's
 /// loss).
-const HUBER: f64 = POLICY.huber;
+const HUBER: f64 = 3.0;
 /// Most steps of a fit.
 pub(crate) const STEPS: usize = 40;
+/// The same of one that need not be sure.
+pub(crate) const ROUGH_STEPS: usize = 15;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
 /// The same as a part of the loss beyond that of noise.
 const DONE_PART: f64 = 1e-4;
 /// Fall of the loss in terms of what corrected derivatives tell, below which they are taken anew.
 const GOOD: f64 = 0.7;
+const ROUGH: f64 = 0.3;
 /// Starts of a cause from which steps are made.
 const MOST_STARTS: usize = 4;
 /// Step of a difference quotient, in terms of a parameter's scale.
@@ -43,6 +46,9 @@ pub struct Fit {
     /// Twice the negative log-likelihood up to a constant: the sum of Huber's loss of the residuals
     /// in standard deviations.
     pub loss: f64,
+    /// Robust standard deviation (σ, 1 at least) of what is left of each channel: residuals beyond
+    /// three of it count in proportion to their size only.
+    pub(crate) scales: Vec<f64>,
 }
 
 impl Fit {
@@ -54,8 +60,40 @@ impl Fit {
             terms: Terms::off(kind.causes()),
             unknowns: (0..kind.logs().len()).map(first).collect(),
             loss: f64::INFINITY,
+            scales: vec![1.0; kind.channels().len()],
         }
     }
+
+    /// See [`Fit::scales`].
+    pub(crate) fn scale(&self, channel: usize) -> f64 {
+        self.scales[channel]
+    }
+}
+
+/// Robust standard deviation (σ, 1 at least) of what `fit` leaves of each channel.
+pub(crate) fn scales(kind: &dyn Kind, fit: &Fit) -> Option<Vec<f64>> {
+    let mut sizes = vec![Vec::new(); kind.channels().len()];
+    for (run, log) in kind.logs().iter().enumerate() {
+        let all = residuals(kind, run, &fit.terms, &fit.unknowns[run])?;
+        for (reading, r) in log.readings.iter().zip(all) {
+            sizes[reading.channel].push(r.abs());
+        }
+    }
+    let scale = |sizes: &mut Vec<f64>| (median(sizes) / 0.6745).max(1.0);
+    Some(sizes.iter_mut().map(scale).collect())
+}
+
+/// Huber's loss of a residual in a channel with a scale (σ).
+pub(crate) fn huber_at(r: f64, scale: f64) -> f64 {
+    if scale.is_infinite() {
+        return r * r;
+    }
+    scale * scale * huber(r / scale)
+}
+
+/// Weight of a residual in a channel with a scale (σ).
+pub(crate) fn weight_at(r: f64, scale: f64) -> f64 {
+    (HUBER * scale / r.abs()).min(1.0)
 }
 
 pub(crate) fn huber(r: f64) -> f64 {
@@ -125,6 +163,11 @@ pub(crate) fn derivative(
     here: &[f64],
     (place, parameter): (Place, &Parameter),
 ) -> Option<Vec<f64>> {
+    if let Place::Shared(cause, _) = place
+        && let Some(exact) = of_sensor(kind, run, terms, here, cause)
+    {
+        return Some(exact.into_iter().map(|x| x * parameter.scale).collect());
+    }
     let (mut terms, mut unknowns) = (terms.clone(), unknowns.to_vec());
     let x = match place {
         Place::Shared(c, p) => terms.get(c, p),
@@ -150,6 +193,37 @@ pub(crate) fn derivative(
     None
 }
 
+/// How the prediction of a run (in standard deviations) changes with the gain or the offset of a
+/// measured column's sensor; none of other causes.
+fn of_sensor(
+    kind: &dyn Kind,
+    run: usize,
+    terms: &Terms,
+    here: &[f64],
+    cause: usize,
+) -> Option<Vec<f64>> {
+    let spec = &kind.causes()[cause];
+    let (fault, own) = (spec.fault?, spec.column.as_deref()?);
+    let is_own = |c: &Channel| is_of(&c.name, own);
+    let is_exact = matches!(fault, Fault::Gain | Fault::Offset);
+    if !is_exact || !kind.channels().iter().any(is_own) {
+        return None;
+    }
+    let of = |(reading, here): (&Reading, &f64)| {
+        let channel = &kind.channels()[reading.channel];
+        if !is_own(channel) {
+            return 0.0;
+        }
+        let noise = scatter(kind, reading);
+        let sensor = kind.data().sensor(&channel.name, terms);
+        match fault {
+            Fault::Gain => sensor.truth(here * noise) / noise,
+            _ => 1.0 / noise,
+        }
+    };
+    Some(kind.logs()[run].readings.iter().zip(here).map(of).collect())
+}
+
 /// The parameters of a fit in a row: those of causes, then the unknowns of each run.
 struct Problem<'a> {
     kind: &'a dyn Kind,
@@ -166,7 +240,7 @@ struct Problem<'a> {
 }
 
 /// Derivatives of each run by each parameter it depends on; none where they are not known.
-pub(crate) type Slopes = Vec<Option<Vec<Vec<f64>>>>;
+pub(crate) type Slopes = Vec<Vec<Option<Vec<f64>>>>;
 
 /// How surely a fit ends where the loss is least.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -187,9 +261,13 @@ struct Point {
 impl Point {
     /// Fall of the loss below which a fit is done: where much is left that is not noise, the last
     /// digit of it tells nothing.
-    fn done(&self) -> f64 {
+    fn done(&self, end: End) -> f64 {
         let readings: usize = self.residuals.iter().map(Vec::len).sum();
-        DONE.max(DONE_PART * (self.loss - readings as f64))
+        let part = match end {
+            End::Sure => DONE_PART,
+            End::Rough => 10.0 * DONE_PART,
+        };
+        DONE.max(part * (self.loss - readings as f64))
     }
 }
 
@@ -208,15 +286,23 @@ impl<'a> Problem<'a> {
         for &run in runs {
             parameters.extend(kind.unknowns(run));
         }
+        let places = |run: &usize| vec![None; shared.len() + fit.unknowns[*run].len()];
         Problem {
+            slopes: runs.iter().map(places).collect(),
             kind,
             shared,
             runs,
             mask,
             parameters,
             fit,
-            slopes: vec![None; runs.len()],
             is_slow: false,
+        }
+    }
+
+    /// Has derivatives taken anew.
+    fn forget(&mut self) {
+        for slope in self.slopes.iter_mut().flatten() {
+            *slope = None;
         }
     }
 
@@ -272,9 +358,12 @@ impl<'a> Problem<'a> {
         };
         let all: Vec<Option<(Vec<f64>, Vec<f64>)>> = self.over(self.runs.len(), of);
         self.is_slow |= started.elapsed() > SLOW;
-        for one in all {
+        for (k, one) in all.into_iter().enumerate() {
             let (predicted, residuals) = one?;
-            point.loss += residuals.iter().map(|r| huber(*r)).sum::<f64>();
+            let readings = &self.kind.logs()[self.runs[k]].readings;
+            let each = readings.iter().zip(&residuals);
+            let loss = each.map(|(reading, r)| huber_at(*r, self.fit.scale(reading.channel)));
+            point.loss += loss.sum::<f64>();
             point.predicted.push(predicted);
             point.residuals.push(residuals);
         }
@@ -300,31 +389,23 @@ impl<'a> Problem<'a> {
     /// Takes the derivatives at `point` that are not known.
     fn look(&mut self, point: &Point) -> Option<()> {
         let all = self.places();
-        let of = |k: usize| {
-            let (places, indices) = &all[k];
+        let is_new = |(k, i): &(usize, usize)| self.slopes[*k][*i].is_none();
+        let every = (0..all.len()).flat_map(|k| (0..all[k].0.len()).map(move |i| (k, i)));
+        let new: Vec<(usize, usize)> = every.filter(is_new).collect();
+        let of = |at: usize| {
+            let (k, i) = new[at];
             let run = self.runs[k];
-            let unknowns = &self.fit.unknowns[run];
-            let by = |(place, index): (&Place, &usize)| {
-                let place = (*place, &self.parameters[*index]);
-                derivative(
-                    self.kind,
-                    run,
-                    &self.fit.terms,
-                    unknowns,
-                    &point.predicted[k],
-                    place,
-                )
-            };
-            places.iter().zip(indices).map(by).collect::<Option<_>>()
+            let place = (all[k].0[i], &self.parameters[all[k].1[i]]);
+            let (terms, unknowns) = (&self.fit.terms, &self.fit.unknowns[run]);
+            derivative(self.kind, run, terms, unknowns, &point.predicted[k], place)
         };
-        let new: Vec<usize> = (0..all.len())
-            .filter(|k| self.slopes[*k].is_none())
-            .collect();
-        let found: Vec<Option<Vec<Vec<f64>>>> = self.over(new.len(), |k| of(new[k]));
-        for (k, slopes) in new.into_iter().zip(found) {
-            self.slopes[k] = Some(slopes?);
+        let found: Vec<Option<Vec<f64>>> = self.over(new.len(), of);
+        let mut has_all = true;
+        for ((k, i), slope) in new.into_iter().zip(found) {
+            has_all &= slope.is_some();
+            self.slopes[k][i] = slope;
         }
-        Some(())
+        has_all.then_some(())
     }
 
     /// `work` of each run, on all processors where they have no other and it takes long.
@@ -339,11 +420,9 @@ impl<'a> Problem<'a> {
     /// Corrects the derivatives by what `step` (in the parameters' scales) did to the predictions.
     fn correct(&mut self, step: &[f64], before: &[Vec<f64>], after: &[Vec<f64>]) {
         for (k, (_, indices)) in self.places().into_iter().enumerate() {
-            let Some(slopes) = &mut self.slopes[k] else {
-                continue;
-            };
+            let mut slopes: Vec<&mut Vec<f64>> = self.slopes[k].iter_mut().flatten().collect();
             let size: f64 = indices.iter().map(|i| step[*i] * step[*i]).sum();
-            if size < 1e-12 {
+            if size < 1e-12 || slopes.len() < indices.len() {
                 continue;
             }
             let told = |i: usize| {
@@ -371,13 +450,15 @@ impl<'a> Problem<'a> {
         let n = self.parameters.len();
         let (mut matrix, mut slope) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for (k, (_, columns)) in self.places().into_iter().enumerate() {
-            let (run, jacobian) = (self.runs[k], self.slopes[k].as_ref()?);
+            let run = self.runs[k];
+            let jacobian: Vec<&Vec<f64>> = self.slopes[k].iter().flatten().collect();
             let weights: Vec<f64> = point.residuals[k]
                 .iter()
                 .enumerate()
                 .map(|(i, r)| {
                     if self.mask.as_ref().is_none_or(|m| m[run][i]) {
-                        weight(*r)
+                        let channel = self.kind.logs()[run].readings[i].channel;
+                        weight_at(*r, self.fit.scale(channel))
                     } else {
                         0.0
                     }
@@ -391,7 +472,7 @@ impl<'a> Problem<'a> {
                     .collect();
                 slope[row] += dot(&weighted, &point.residuals[k]);
                 for (b, &column) in columns.iter().enumerate().take(a + 1) {
-                    let sum = dot(&weighted, &jacobian[b]);
+                    let sum = dot(&weighted, jacobian[b]);
                     matrix[(row, column)] += sum;
                     if row != column {
                         matrix[(column, row)] += sum;
@@ -412,24 +493,26 @@ impl<'a> Problem<'a> {
         }
         let mut point = self.at(&x)?;
         let mut damping = 1e-3;
-        let mut is_new = self.slopes.iter().all(Option::is_none);
+        let good = if end == End::Rough { ROUGH } else { GOOD };
+        let mut is_new = self.slopes.iter().flatten().all(Option::is_none);
         for _ in 0..steps {
             self.write(&x);
             let Some((matrix, slope)) = self.normal(&point) else {
                 break;
             };
-            let done = point.done();
+            let done = point.done(end);
             let (from, before) = (x.clone(), point.predicted.clone());
-            let (fall, as_told) = self.step(&mut x, &mut point, &matrix, &slope, &mut damping);
+            let (fall, as_told) =
+                self.step(&mut x, &mut point, (&matrix, &slope), (&mut damping, done));
             if fall < done {
-                if is_new || end == End::Rough || self.parameters.len() == 1 {
+                if is_new || (end == End::Rough && as_told >= good) || self.parameters.len() == 1 {
                     break;
                 }
                 // What hindered may have been the old ones.
-                self.slopes.fill(None);
+                self.forget();
                 damping = 1e-3;
-            } else if as_told < GOOD {
-                self.slopes.fill(None);
+            } else if as_told < good {
+                self.forget();
             } else {
                 let moved = x
                     .iter()
@@ -450,9 +533,8 @@ impl<'a> Problem<'a> {
         &mut self,
         x: &mut Vec<f64>,
         point: &mut Point,
-        matrix: &DMatrix<f64>,
-        slope: &DVector<f64>,
-        damping: &mut f64,
+        (matrix, slope): (&DMatrix<f64>, &DVector<f64>),
+        (damping, done): (&mut f64, f64),
     ) -> (f64, f64) {
         // What a bound holds does not move.
         let held: Vec<bool> = self
@@ -494,7 +576,7 @@ impl<'a> Problem<'a> {
                     let told = 2.0 * slope.dot(&step) - step.dot(&(&damped * &step));
                     return (fall, fall / told);
                 }
-                Some(there) if there.loss - point.loss < point.done() => return (0.0, 0.0),
+                Some(there) if there.loss - point.loss < done => return (0.0, 1.0),
                 _ => *damping *= 8.0,
             }
         }
@@ -564,6 +646,24 @@ pub(crate) fn refit(
     Some(problem.fit)
 }
 
+/// The same to all readings, where `slopes` are derivatives not far from there: with those at the end, as
+/// far as its steps tell.
+pub(crate) fn refit_near(
+    kind: &dyn Kind,
+    from: Fit,
+    slopes: Slopes,
+    runs: &[usize],
+    steps: usize,
+) -> Option<(Fit, Slopes)> {
+    let shared = parameters_of(kind, &from.causes);
+    let mut problem = Problem::new(kind, from, shared, runs, &None);
+    problem.slopes = slopes;
+    problem.solve(steps, End::Rough)?;
+    let point = problem.at(&problem.read())?;
+    problem.look(&point);
+    Some((problem.fit, problem.slopes))
+}
+
 /// The derivatives of all runs at `fit`; none where there are none.
 pub(crate) fn slopes(kind: &dyn Kind, fit: &Fit) -> Option<Slopes> {
     let runs: Vec<usize> = (0..kind.logs().len()).collect();
@@ -588,10 +688,10 @@ pub(crate) fn refit_but(
     let index = shared.iter().position(|place| *place == held)?;
     shared.remove(index);
     let mut problem = Problem::new(kind, from, shared, &runs, &None);
-    let but = |of_run: &Option<Vec<Vec<f64>>>| {
-        let mut columns = of_run.clone()?;
+    let but = |of_run: &Vec<Option<Vec<f64>>>| {
+        let mut columns = of_run.clone();
         columns.remove(index);
-        Some(columns)
+        columns
     };
     problem.slopes = slopes.iter().map(but).collect();
     problem.solve(steps, End::Rough)?;
@@ -623,32 +723,27 @@ pub(crate) fn fit_if(
     runs: &[usize],
     enough: f64,
 ) -> Option<Fit> {
+    fit_from(kind, base, starts(kind, base, cause, runs), runs, enough)
+}
+
+/// `base` with `cause` where fits of it begin.
+fn starts(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Vec<Fit> {
     let parameters = &kind.causes()[cause].parameters;
     let mut starts: Vec<Vec<f64>> = Vec::new();
     let is_apart = kind.causes()[cause].is_apart();
     if !is_apart {
         starts.push(parameters.iter().map(|p| p.neutral).collect());
     }
-    let most = parameters.iter().map(|p| p.starts.len()).max().unwrap_or(0);
     if is_apart || parameters.len() > 1 {
-        for k in 0..most {
-            let of = |p: &Parameter| {
-                p.starts
-                    .get(k)
-                    .or(p.starts.last())
-                    .copied()
-                    .unwrap_or(p.neutral)
-            };
-            starts.push(parameters.iter().map(of).collect());
-        }
+        starts.extend(kind.causes()[cause].starts());
     }
     let mut from: Vec<Fit> = starts.iter().map(|s| begun(base, cause, s)).collect();
-    from.extend(shared_out(kind, base, cause, runs));
-    fit_from(kind, base, from, runs, enough)
+    from.extend(valleys(kind, base, cause, runs));
+    from
 }
 
 /// `base` with `cause` at `values`.
-fn begun(base: &Fit, cause: usize, values: &[f64]) -> Fit {
+pub(crate) fn begun(base: &Fit, cause: usize, values: &[f64]) -> Fit {
     let mut from = base.clone();
     from.causes.push(cause);
     for (p, value) in values.iter().enumerate() {
@@ -657,39 +752,74 @@ fn begun(base: &Fit, cause: usize, values: &[f64]) -> Fit {
     from
 }
 
-/// Where `base` leaves much, starts at which `cause` has taken over half of what the last one did:
-/// two causes that do nearly the same lie along a valley, in which small steps do not get far.
-fn shared_out(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Vec<Fit> {
-    let readings: usize = runs
-        .iter()
-        .map(|run| kind.logs()[*run].readings.len())
-        .sum();
-    let Some(last) = base.causes.last() else {
-        return Vec::new();
-    };
-    let [old, new] = [*last, cause].map(|c| &kind.causes()[c]);
-    let is_one = [old, new]
-        .iter()
-        .all(|c| c.parameters.len() == 1 && !c.is_apart());
-    if !is_one || base.loss < POLICY.poor_fit * readings as f64 {
+/// Where `base` is far off, the bottoms of the valleys of the loss along each parameter of `cause` over
+/// its whole range: small steps from none need not lead there.
+fn valleys(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Vec<Fit> {
+    /// Valleys that are looked at.
+    const MOST: usize = 3;
+    /// Loss for each reading from which on slopes tell nothing.
+    const FAR: f64 = 25.0;
+    let logs = runs.iter().map(|run| &kind.logs()[*run]);
+    let readings: usize = logs.map(|log| log.readings.len()).sum();
+    if base.loss < FAR * readings as f64 {
         return Vec::new();
     }
-    let neutral = old.parameters[0].neutral;
-    let half = neutral + 0.5 * (base.terms.get(*last, 0) - neutral);
-    let start = |value: &f64| {
-        let mut from = begun(base, cause, &[*value]);
-        from.terms.set(*last, 0, half);
-        from
+    // Unknowns that are bent to another model are no better than first guesses.
+    let first = Fit::first(kind).unknowns;
+    let tried = |values: &Vec<f64>| {
+        let from = begun(base, cause, values);
+        let unknowns = first.clone();
+        let afresh = Fit {
+            unknowns,
+            ..from.clone()
+        };
+        let here = |fit| refit(kind, fit, runs, &None, 0);
+        let both = [from, afresh].into_iter().filter_map(here);
+        both.min_by(|a, b| a.loss.total_cmp(&b.loss))
     };
-    new.parameters[0].starts.iter().map(start).collect()
+    let mut found = Vec::new();
+    for ladder in kind.causes()[cause].ladders() {
+        let fits: Vec<Option<Fit>> = ladder.iter().map(tried).collect();
+        let loss = |k: Option<usize>| {
+            let fit = k.and_then(|k| fits.get(k)?.as_ref());
+            fit.map_or(f64::INFINITY, |fit| fit.loss)
+        };
+        let is_bottom = |k: &usize| {
+            let here = loss(Some(*k));
+            here < loss(k.checked_sub(1)) && here <= loss(Some(k + 1))
+        };
+        let bottoms = (0..fits.len()).filter(is_bottom);
+        found.extend(bottoms.filter_map(|k| fits[k].clone()));
+    }
+    found.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    found.truncate(MOST);
+    found
 }
 
-/// Fits `base` with `cause` added, from wherever physics lets it be: small steps from none need not
-/// lead to where it explains most.
-pub(crate) fn fit_far(kind: &dyn Kind, base: &Fit, cause: usize, runs: &[usize]) -> Option<Fit> {
-    let starts = kind.causes()[cause].ladder();
-    let from = starts.iter().map(|s| begun(base, cause, s)).collect();
-    fit_from(kind, base, from, runs, 0.0)
+/// `fit` with residuals that are far outside counted by what is left of their channel, and with the
+/// derivatives there; `slopes` are derivatives not far from it.
+pub(crate) fn settled(
+    kind: &dyn Kind,
+    mut fit: Fit,
+    mut slopes: Slopes,
+    runs: &[usize],
+) -> Option<(Fit, Slopes)> {
+    /// Change of a scale that matters, and rounds.
+    const MATTERS: f64 = 0.2;
+    const ROUNDS: usize = 3;
+    for _ in 0..ROUNDS {
+        let now = scales(kind, &fit)?;
+        let is_as_before = now
+            .iter()
+            .zip(&fit.scales)
+            .all(|(a, b)| (a / b).ln().abs() < MATTERS);
+        if is_as_before {
+            break;
+        }
+        fit.scales = now;
+        (fit, slopes) = refit_near(kind, fit, slopes, runs, ROUGH_STEPS)?;
+    }
+    Some((fit, slopes))
 }
 
 /// Fits each of `from`, which are `base` with one cause more, and gives the best; none where the
@@ -701,6 +831,8 @@ fn fit_from(
     runs: &[usize],
     enough: f64,
 ) -> Option<Fit> {
+    /// Causes at a time that are many.
+    const MANY: usize = 3;
     /// Steps after which starts are compared.
     const FIRST: usize = 4;
     if from.len() > MOST_STARTS {
@@ -730,7 +862,7 @@ fn fit_from(
     // Starts that stay behind are given up.
     tried.retain(|t| t.fit.loss <= least + 0.1 * (base.loss - least).max(10.0));
     // Of a machine with so many parts, fits take long, and what is chosen is fitted again.
-    let end = if kind.most() > POLICY.many_causes {
+    let end = if kind.most() > MANY {
         End::Rough
     } else {
         End::Sure

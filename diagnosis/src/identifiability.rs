@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::policy::POLICY;
+/// Information of a direction, where each parameter alone has information 1, below which it is not
+/// identifiable: the error of difference quotients.
+pub(crate) const LEAST: f64 = 1e-6;
 
 /// The information on some parameters, in directions that are known independently when each
 /// parameter alone has information 1.
@@ -43,7 +45,7 @@ impl Identifiability {
 
     /// Whether direction `k` has more information than the error of difference quotients.
     pub(crate) fn is_identifiable(&self, k: usize) -> bool {
-        self.information[k] >= POLICY.least_information
+        self.information[k] >= LEAST
     }
 
     /// Covariance from the directions that `counts`.

@@ -199,6 +199,24 @@ impl Cause {
             .collect()
     }
 
+    /// Where its search starts, beside where its parameters are neutral.
+    pub(crate) fn starts(&self) -> Vec<Vec<f64>> {
+        let most = self
+            .parameters
+            .iter()
+            .map(|p| p.starts.len())
+            .max()
+            .unwrap_or(0);
+        let of = |k: usize| {
+            let value = |p: &Parameter| {
+                let start = p.starts.get(k).or(p.starts.last());
+                start.copied().unwrap_or(p.neutral)
+            };
+            self.parameters.iter().map(value).collect()
+        };
+        (0..most).map(of).collect()
+    }
+
     /// Whether the effect cannot be reached in small steps from none.
     pub(crate) fn is_apart(&self) -> bool {
         self.parameters
@@ -206,27 +224,29 @@ impl Cause {
             .any(|p| p.neutral < p.bounds.0 || p.neutral > p.bounds.1)
     }
 
-    /// Values over the whole range of each parameter, the others as near to neutral as physics lets
-    /// them: half a decade from one to the next.
-    pub(crate) fn ladder(&self) -> Vec<Vec<f64>> {
-        /// Rungs on each side.
-        const RUNGS: i32 = 16;
-        let rest: Vec<f64> = self
-            .parameters
-            .iter()
+    /// Values over the whole range of each parameter in turn, rising, the others as near to neutral as
+    /// physics lets them: half a decade from one to the next, on both sides.
+    pub(crate) fn ladders(&self) -> Vec<Vec<Vec<f64>>> {
+        /// Rungs, in half decades of the change that matters.
+        const RUNGS: std::ops::Range<i32> = -3..16;
+        let parameters = self.parameters.iter();
+        let rest: Vec<f64> = parameters
             .map(|p| p.neutral.clamp(p.bounds.0, p.bounds.1))
             .collect();
-        let mut all = Vec::new();
-        for (k, p) in self.parameters.iter().enumerate() {
+        let ladder = |(k, p): (usize, &Parameter)| {
             let rung = |n: i32| p.scale * 10_f64.powf(0.5 * f64::from(n));
-            let values = (0..RUNGS).flat_map(|n| [p.neutral - rung(n), p.neutral + rung(n)]);
-            for value in values.filter(|x| (p.bounds.0..=p.bounds.1).contains(x)) {
+            let below = RUNGS.rev().map(|n| p.neutral - rung(n));
+            let above = RUNGS.map(|n| p.neutral + rung(n));
+            let values = below.chain(above);
+            let legal = values.filter(|x| (p.bounds.0..=p.bounds.1).contains(x));
+            let with = |value| {
                 let mut rungs = rest.clone();
                 rungs[k] = value;
-                all.push(rungs);
-            }
-        }
-        all
+                rungs
+            };
+            legal.map(with).collect()
+        };
+        self.parameters.iter().enumerate().map(ladder).collect()
     }
 }
 
@@ -291,11 +311,7 @@ impl Data {
         let causes = self.causes.iter().enumerate();
         let of = |(k, cause): (usize, &Cause)| {
             let (fault, own) = (cause.fault?, cause.column.as_deref()?);
-            // Runs of machines that have nothing in common have columns of their own.
-            let is_own = column
-                .strip_suffix(own)
-                .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
-            is_own.then(|| (fault, terms.get(k, 0)))
+            is_of(column, own).then(|| (fault, terms.get(k, 0)))
         };
         causes
             .filter_map(of)
@@ -303,6 +319,14 @@ impl Data {
                 sensor.with(fault, size)
             })
     }
+}
+
+/// Whether `column` is the one of a sensor: runs of machines that have nothing in common have columns
+/// of their own.
+pub(crate) fn is_of(column: &str, own: &str) -> bool {
+    column
+        .strip_suffix(own)
+        .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
 }
 
 /// A question to the model of a run: the true values behind its readings.
@@ -409,24 +433,15 @@ pub trait Kind: Sync {
         self.inner().map_or(run, |kind| kind.group(run))
     }
 
-    /// Error of the model itself, in standard deviations of a reading: smaller misfits are not
-    /// reported.
-    fn trust(&self) -> f64 {
-        self.inner().map_or(0.1, Kind::trust)
-    }
-
     /// Standard deviation of the model's own error, in standard deviations of a reading: a smooth
     /// process in time, which is part of the noise.
     fn discrepancy(&self) -> f64 {
-        let own = || self.trust();
-        self.inner().map_or_else(own, Kind::discrepancy)
+        self.inner().map_or(0.1, Kind::discrepancy)
     }
 
-    /// Standard deviations by which `cause` must change readings to be claimed.
-    fn least_effect(&self, cause: usize) -> f64 {
-        let own = || self.trust();
-        self.inner()
-            .map_or_else(own, |kind| kind.least_effect(cause))
+    /// The same of each channel.
+    fn amplitudes(&self) -> Vec<f64> {
+        vec![self.discrepancy(); self.channels().len()]
     }
 
     /// What the model says of each reading of a run; none where it has no answer.
@@ -444,6 +459,12 @@ pub trait Kind: Sync {
     /// no answer.
     fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {
         self.inner()?.truths(asked)
+    }
+
+    /// The same experiment with each run cut into so many windows, each with a start of its own; none where
+    /// a run cannot begin anywhere.
+    fn windows(&self, count: usize) -> Option<Box<dyn Kind>> {
+        self.inner()?.windows(count)
     }
 
     /// What noise of measured inputs does to the prediction of a run, drawn by `normal`; none where
@@ -531,7 +552,7 @@ mod tests {
             "a",
             vec![parameter((0.0, 5.0), 0.0), parameter((-1e-2, 1.0), 0.5)],
         );
-        let rungs = cause.ladder();
+        let rungs = cause.ladders().concat();
         for rung in &rungs {
             for (x, p) in rung.iter().zip(&cause.parameters) {
                 assert!((p.bounds.0..=p.bounds.1).contains(x), "{rung:?}");

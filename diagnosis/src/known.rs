@@ -63,15 +63,13 @@ impl Cause {
         self.priors.iter().map(square).sum::<f64>().sqrt()
     }
 
-    /// Prior penalty in terms of loss: the square of the standard deviations. What is known may be
-    /// wrong itself, so that it does not grow beyond a contradiction.
-    pub(crate) fn penalty(&self, values: &[f64]) -> f64 {
-        self.deviations(values).min(POLICY.contradiction).powi(2)
-    }
-
-    /// Whether `values` of its parameters contradict what is known.
-    pub(crate) fn contradicts(&self, values: &[f64]) -> bool {
-        self.deviations(values) > POLICY.contradiction
+    /// Logarithm of the probability of `values` of its parameters by what is known: half the square of
+    /// the standard deviations. What is known may be wrong itself: beyond a contradiction it counts in
+    /// proportion (Huber).
+    pub(crate) fn by_prior(&self, values: &[f64]) -> f64 {
+        let away = self.deviations(values);
+        let near = away.min(POLICY.contradiction);
+        -near * (away - 0.5 * near)
     }
 
     /// The names by which what is reported can be known.
@@ -297,16 +295,12 @@ mod tests {
     }
 
     #[test]
-    fn a_penalty_is_the_square_and_ends_at_a_contradiction() {
+    fn what_is_known_counts_as_a_square_and_beyond_a_contradiction_in_proportion() {
         let known = [known("gravity", 2.0)];
         let told = &inform(&causes(), &known).expect("known").0[0];
-        for (value, penalty, contradicts) in [
-            (2.0, 0.0, false),
-            (2.06, 9.0, false),
-            (2.2, POLICY.contradiction.powi(2), true),
-        ] {
-            assert!((told.penalty(&[value]) - penalty).abs() < 1e-9, "{value}");
-            assert_eq!(told.contradicts(&[value]), contradicts, "{value}");
+        let far = POLICY.contradiction * (10.0 - 0.5 * POLICY.contradiction);
+        for (value, log) in [(2.0, 0.0), (2.06, -4.5), (2.2, -far)] {
+            assert!((told.by_prior(&[value]) - log).abs() < 1e-9, "{value}");
         }
     }
 }

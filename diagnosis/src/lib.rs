@@ -2,18 +2,16 @@
 //! knowing it is worth.
 //!
 //! An [`Experiment`] of some [`Kind`] has its data and the model of them, with every [`Cause`] that
-//! could be at work as a term that is off. [`diagnose`] switches them on one at a time while data
-//! that were left out ask for it.
+//! could be at work as a term that is off. [`diagnose`] weighs sets of them by how probable the data
+//! are with each.
 
 mod between;
 mod diagnose;
 mod discrepancy;
 mod estimate;
-mod evidence;
 mod experiment;
 mod finding;
 mod fit;
-mod fitness;
 mod folds;
 mod gain;
 mod identifiability;
@@ -21,12 +19,12 @@ mod kind;
 pub mod kinds;
 mod known;
 pub mod layout;
+mod likelihood;
 mod machine;
 pub mod mechanism;
 mod named;
 mod next;
 mod noise;
-mod patterns;
 pub mod plausible;
 mod policy;
 mod power;
@@ -36,11 +34,11 @@ mod recent;
 mod report;
 mod residuals;
 pub mod rig;
+mod search;
 mod sensor;
 mod series;
 mod settings;
 pub mod spec;
-mod stages;
 mod statistics;
 mod tangent;
 #[cfg(test)]
@@ -50,9 +48,8 @@ mod view;
 pub use diagnose::diagnose;
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
-pub use finding::{Alone, Candidate, Diagnosis, Finding, Reported, Small};
+pub use finding::{Alone, Candidate, Diagnosis, Finding, Fitness, Reported, Unknown};
 pub use fit::Fit;
-pub use fitness::{Fitness, Unknown};
 pub use gain::Gain;
 pub use kind::{Asked, Cause, Channel, Data, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
 pub use known::{Deviation, Known, KnownError, check_known};

@@ -4,7 +4,6 @@ use saltus_numeric::parallel;
 
 use crate::fit::Fit;
 use crate::kind::{Kind, Proposal};
-use crate::policy::POLICY;
 
 /// The proposal that tells most rivals apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +19,7 @@ pub struct NextExperiment {
 }
 
 /// Standard deviations by which two causes are told apart for sure.
-const APART: f64 = POLICY.told_apart;
+pub(crate) const APART: f64 = 5.0;
 
 /// Of `proposals`, the one that tells most of the `rivals` apart (their causes and models); none
 /// where none would show a difference of a standard deviation.

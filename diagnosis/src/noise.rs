@@ -3,10 +3,8 @@
 use saltus_numeric::statistics::median;
 
 use crate::experiment::{Experiment, Run};
-use crate::fit::Fit;
-use crate::fitness;
+use crate::finding::Diagnosis;
 use crate::kind::{Channel, Data, Kind, Log, Reading};
-use crate::policy::POLICY;
 
 /// The channels of the columns `indices`: noise and quantisation as given, or from the data.
 pub(crate) fn channels(experiment: &Experiment, indices: &[usize]) -> Vec<Channel> {
@@ -59,9 +57,9 @@ pub struct Misstated {
 
 /// Ratio of stated to seen scatter from which on the statement is not believed: a filter of the
 /// instrument, and the wish to be on the safe side, make less of it.
-const FAR: f64 = POLICY.noise_disbelieved;
+const FAR: f64 = 10.0;
 /// Scatter in terms of a column's span below which models of machines are not compared with data.
-const FINE: f64 = POLICY.finest_noise;
+const FINE: f64 = 5e-4;
 
 /// Takes the scatter of the data in place of each noise that is stated far larger, and says where:
 /// a diagnosis by such a noise would explain everything. The rows of outcomes do not
@@ -91,33 +89,29 @@ pub fn disbelieve(experiment: &mut Experiment) -> Vec<Misstated> {
     all
 }
 
-/// Channels of `kind`, which is of `experiment`, whose stated noise is far from what `model` leaves
-/// of them: far more than that, or far less where residuals scatter one by one.
-pub fn misstated(experiment: &Experiment, kind: &dyn Kind, model: &Fit) -> Vec<Misstated> {
+/// Channels of `kind`, which is of `experiment`, whose stated noise is far from the noise that a
+/// diagnosis found.
+pub fn misstated(experiment: &Experiment, kind: &dyn Kind, found: &Diagnosis) -> Vec<Misstated> {
+    /// Ratio from which on it is said.
+    const SAID: f64 = 2.0;
     /// Readings that tell a scatter.
     const LEAST: f64 = 12.0;
-    let Some(left) = fitness::levels(kind, model) else {
-        return Vec::new();
-    };
-    let channels = kind
-        .channels()
-        .iter()
-        .zip(left)
-        .filter(|(channel, left)| channel.is_given && left.count > LEAST);
-    let of = |(channel, left): (&Channel, fitness::Level)| {
-        let k = experiment.column(&channel.name)?;
-        let stated = experiment.noise[k]?;
-        let seen = left.square.sqrt() * channel.noise;
-        // Finer than a model of a machine is, a sensor may well be as good as it is said to be.
-        let fine = FINE * span(experiment, k);
-        let is_far = stated > FAR * seen.max(fine) || (seen > FAR * stated && left.is_white);
-        is_far.then(|| Misstated {
+    let mut counts = vec![0.0; kind.channels().len()];
+    for reading in kind.logs().iter().flat_map(|log| &log.readings) {
+        counts[reading.channel] += reading.weight;
+    }
+    let of = |(c, channel): (usize, &Channel)| {
+        let stated = experiment.noise[experiment.column(&channel.name)?]?;
+        let ratio = found.fitness.1.noise[c];
+        let is_far = !(1.0 / SAID..=SAID).contains(&ratio);
+        let is_told = channel.is_given && counts[c] > LEAST && found.fitness.1.is_noise[c];
+        (is_far && is_told).then(|| Misstated {
             column: channel.name.clone(),
             stated,
-            seen,
+            seen: ratio * channel.noise,
         })
     };
-    channels.filter_map(of).collect()
+    kind.channels().iter().enumerate().filter_map(of).collect()
 }
 
 /// Greatest less least value of a column.
@@ -193,9 +187,9 @@ fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
 }
 
 /// Readings of a quantised channel that say the same one after the other count as so many in all.
-const REPEATED: f64 = POLICY.repeated_readings;
+const REPEATED: f64 = 2.0;
 /// Noise in terms of the step from which on it makes the error of every reading another one.
-const DITHER: f64 = POLICY.dither;
+const DITHER: f64 = 0.15;
 
 /// How much each row of a column counts.
 fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {

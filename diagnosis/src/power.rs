@@ -1,24 +1,27 @@
 //! What an experiment can tell, before it is done: how often a diagnosis would name an effect of a
 //! given size, and what it would take it for.
 //!
-//! What an effect does to the readings is computed by the full model. What each other cause can
-//! explain of that and of the noise follows from the model linearised without an effect; of one that
-//! explains most of it, from what the full model does at the values found. Each draw of noise is
-//! judged by the rules of a diagnosis, of which no fit is made.
+//! What an effect does to the readings is computed by the full model, and so is the best fit of each
+//! cause that the model linearised without an effect says to come near. Of each of these fits, what
+//! noise does to it follows from the model linearised there. Each draw of noise is weighed as a
+//! diagnosis weighs sets of causes.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
+use crate::diagnose::MOST_RIVALS;
 use crate::discrepancy::Discrepancy;
-use crate::evidence::Evidence;
-use crate::fit;
-use crate::kind::{Cause, Kind, Parameter, Terms};
+use crate::fit::{self, Fit};
+use crate::kind::{Cause, Channel, Kind, Parameter, Terms};
+use crate::likelihood::{Expected, Linear};
+use crate::next::APART;
 use crate::policy::POLICY;
+use crate::search::{Set, promise};
 use crate::settings::Settings;
-use crate::stages::screen;
-use crate::tangent::{Direction, Tangent};
+use crate::tangent::Tangent;
 use crate::view::View;
 
 /// Least and greatest change of a parameter that is tried, in its scales, within its bounds; and how
@@ -26,9 +29,9 @@ use crate::view::View;
 const LEAST: f64 = 1e-4;
 const GREATEST: f64 = 1e4;
 const HALVINGS: usize = 8;
-/// Part of a change that a cause explains by its direction, from which its model is asked how it
-/// bends.
-const NEAR: f64 = 0.5;
+/// Causes that are fitted to an effect beside itself, and the logarithm of the odds beyond which none is.
+const RIVALS: usize = 4;
+const HOPELESS: f64 = 20.0;
 
 /// What an experiment can tell of one effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,11 +64,7 @@ pub fn power(
     settings: &Settings,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Vec<Power> {
-    let Some(view) = View::exact(kind, settings, &Terms::off(kind.causes())) else {
-        return Vec::new();
-    };
-    let evidence = Evidence::new(&view, settings, progress, false);
-    let Some(outlook) = Outlook::new(&evidence) else {
+    let Some(outlook) = Outlook::new(kind, settings) else {
         return Vec::new();
     };
     let found = parallel::map(effects.len(), |k| {
@@ -90,44 +89,59 @@ fn on(kind: &dyn Kind, cause: usize, values: &[f64]) -> Terms {
     terms
 }
 
+/// Error (σ) of a quantised reading of `value` (σ) with white noise `z`.
+fn quantised(channel: &Channel, value: f64, z: f64) -> f64 {
+    let step = channel.step / channel.noise;
+    let white = (1.0 - step * step / 12.0).max(0.0).sqrt();
+    ((value + white * z) / step).round() * step - value
+}
+
 /// An experiment without an effect, and what noise does in it.
 struct Outlook<'a> {
-    evidence: &'a Evidence<'a>,
+    kind: &'a dyn Kind,
+    settings: &'a Settings,
+    discrepancy: Discrepancy,
     tangent: Tangent,
-    threshold: f64,
-    /// Draws of the noise (σ), clear of the unknowns.
-    noise: Vec<Vec<f64>>,
-    /// For each candidate of the tangent its parts of the draws.
-    parts: Vec<Vec<DVector<f64>>>,
+    expected: Expected,
+    before: Fit,
+    linear: Linear,
+    /// What that leaves of the first draw (σ), of each run.
+    left: Vec<Vec<f64>>,
+    /// Draws of the noise (σ), of each run.
+    draws: Vec<Vec<Vec<f64>>>,
 }
 
 impl<'a> Outlook<'a> {
-    fn new(evidence: &'a Evidence<'a>) -> Option<Outlook<'a>> {
-        let before = fit::fit_none(evidence.kind, &evidence.runs)?;
-        let tangent = Tangent::new(evidence.kind, &before, true)?;
-        let mut random = Pcg64::new(u128::from(evidence.settings.seed), 13);
-        let threshold = screen::threshold(evidence, &tangent, &mut random);
-        let draws = 0..evidence.settings.draws;
-        let noise = draws.map(|_| tangent.noise(evidence.kind, &mut random));
-        let noise: Vec<Vec<f64>> = noise.collect();
-        let parts = parallel::map(tangent.candidates.len(), |k| {
-            let of = |noise: &Vec<f64>| tangent.candidates[k].parts(noise);
-            noise.iter().map(of).collect()
-        });
+    fn new(kind: &'a dyn Kind, settings: &'a Settings) -> Option<Outlook<'a>> {
+        let view = View::exact(kind, settings, &Terms::off(kind.causes()))?;
+        let discrepancy = Discrepancy::new(&view);
+        let mut random = Pcg64::new(u128::from(settings.seed), 13);
+        let draws = (0..settings.draws.max(1)).map(|_| drawn(&view, &discrepancy, &mut random));
+        let draws: Vec<Vec<Vec<f64>>> = draws.collect();
+        let runs: Vec<usize> = (0..view.logs().len()).collect();
+        let exact = fit::fit_none(&view, &runs)?;
+        let noisy = view.with_noise(&draws[0]);
+        let before = fit::refit(&noisy, exact.clone(), &runs, &None, fit::STEPS)?;
+        let all: Vec<usize> = (kind.common()..kind.causes().len()).collect();
+        let expected = Expected::new(&noisy);
         Some(Outlook {
-            evidence,
-            tangent,
-            threshold,
-            noise,
-            parts,
+            tangent: Tangent::new(&view, &exact)?,
+            linear: Linear::new(&noisy, &before, &all, &expected)?,
+            left: left(&noisy, &before)?,
+            before,
+            expected,
+            kind,
+            settings,
+            discrepancy,
+            draws,
         })
     }
 
     fn of_effect(&self, cause: usize, values: &[f64]) -> Option<Power> {
-        let spec = &self.evidence.kind.causes()[cause];
-        let terms = on(self.evidence.kind, cause, values);
-        let change = self.tangent.change(self.evidence.kind, &terms)?;
-        let answers = self.answers(cause, values, &change);
+        let spec = &self.kind.causes()[cause];
+        let terms = on(self.kind, cause, values);
+        let visible = seen(&self.discrepancy, &self.tangent.change(self.kind, &terms)?);
+        let answers = self.answers(cause, values, &terms)?;
         let share = |is: &dyn Fn(&Vec<&'static str>) -> bool| {
             answers.iter().filter(|a| is(a)).count() as f64 / answers.len() as f64
         };
@@ -145,7 +159,7 @@ impl<'a> Outlook<'a> {
             id,
             column: spec.column.clone(),
             values: spec.report(values),
-            visible: seen(&self.evidence.discrepancy, &change),
+            visible,
             named: share(&|a| a.contains(&id)),
             alone: share(&|a| a[..] == [id]),
             nothing: share(&|a| a.is_empty()),
@@ -153,191 +167,126 @@ impl<'a> Outlook<'a> {
         })
     }
 
-    /// What would be named in each draw of an experiment with `values` of `cause`, which do
-    /// `change`.
-    fn answers(&self, cause: usize, values: &[f64], change: &[f64]) -> Vec<Vec<&'static str>> {
-        let mut all: Vec<Contender> = (0..self.tangent.candidates.len())
-            .filter(|k| self.tangent.candidates[*k].cause != cause)
-            .map(|k| self.rival(k, change))
-            .collect();
-        all.push(self.itself(cause, values, change));
-        let judge = Judge::new(self.evidence, self.threshold, all);
-        (0..self.noise.len())
-            .map(|draw| judge.answer(draw))
-            .collect()
-    }
-
-    /// The cause that is at work: it explains all of the change, and of the noise what its
-    /// parameters can.
-    fn itself(&self, cause: usize, values: &[f64], change: &[f64]) -> Contender {
-        let candidates = &self.tangent.candidates;
-        let own = candidates.iter().position(|d| d.cause == cause);
-        let whole = dot(change, change);
-        let gain = |draw: usize| {
-            let by_chance = own.map_or(0.0, |k| candidates[k].gain_of(&self.parts[k][draw]));
-            whole + 2.0 * dot(change, &self.noise[draw]) + by_chance
-        };
-        let gains = (0..self.noise.len()).map(gain).collect();
-        Contender::new(self.evidence, cause, values, change.to_vec(), gains)
-    }
-
-    /// Candidate `k` in the place of the cause: it explains what lies along its direction.
-    fn rival(&self, k: usize, change: &[f64]) -> Contender {
-        let direction = &self.tangent.candidates[k];
-        let values = self.nearest(direction, change);
-        let of = |direction: &Direction, noise: &dyn Fn(usize) -> DVector<f64>| {
-            let own = direction.parts(change);
-            let gains = (0..self.noise.len()).map(|draw| direction.gain_of(&(&own + noise(draw))));
-            let explained = direction.explained(change);
-            Contender::new(
-                self.evidence,
-                direction.cause,
-                &values,
-                explained,
-                gains.collect(),
-            )
-        };
-        // Where it comes near to the change, it matters how the model bends.
-        let is_near = direction.gain(change) > NEAR * dot(change, change);
-        let is_apart = self.evidence.kind.causes()[direction.cause].is_apart();
-        if is_near && !is_apart {
-            let terms = on(self.evidence.kind, direction.cause, &values);
-            let bent = self
-                .tangent
-                .bent(self.evidence.kind, direction, &terms, change);
-            if let Some(bent) = bent {
-                return of(&bent, &|draw| bent.parts(&self.noise[draw]));
-            }
-        }
-        of(direction, &|draw| self.parts[k][draw].clone())
-    }
-
-    /// Values of the parameters of a cause that explain most of `change` by its direction.
-    fn nearest(&self, direction: &Direction, change: &[f64]) -> Vec<f64> {
-        let parameters = &self.evidence.kind.causes()[direction.cause].parameters;
-        let mut values: Vec<f64> = parameters.iter().map(|p| p.neutral).collect();
-        for (p, scales) in direction.steps(change) {
-            let Parameter { scale, bounds, .. } = parameters[p];
-            values[p] = (values[p] + scale * scales).clamp(bounds.0, bounds.1);
-        }
-        values
-    }
-}
-
-/// A cause as it explains the data.
-struct Contender {
-    cause: usize,
-    id: &'static str,
-    /// What it explains of the change (σ), and the coordinates of that in the model's own error.
-    explained: Vec<f64>,
-    coordinates: Vec<f64>,
-    /// By how much it lowers the loss in each draw.
-    gains: Vec<f64>,
-    /// Whether it changes readings by enough to be claimed.
-    counts: bool,
-    /// Cost of what is known of its parameters.
-    penalty: f64,
-    /// Whether its values contradict what is known.
-    contradicts: bool,
-}
-
-impl Contender {
-    fn new(
-        evidence: &Evidence,
+    /// What would be named in each draw of an experiment with `values` of `cause`.
+    fn answers(
+        &self,
         cause: usize,
         values: &[f64],
-        explained: Vec<f64>,
-        gains: Vec<f64>,
-    ) -> Contender {
-        let spec = &evidence.kind.causes()[cause];
-        Contender {
-            cause,
-            id: spec.id,
-            coordinates: evidence.discrepancy.coordinates(&explained),
-            counts: evidence.effect_of(&explained) >= evidence.least_effect(cause, 0),
-            penalty: spec.penalty(values),
-            contradicts: spec.contradicts(values),
-            explained,
-            gains,
-        }
+        terms: &Terms,
+    ) -> Option<Vec<Vec<&'static str>>> {
+        let view = View::exact(self.kind, self.settings, terms)?.with_noise(&self.draws[0]);
+        let runs: Vec<usize> = (0..view.logs().len()).collect();
+        let change: Vec<Vec<f64>> = left(&view, &self.before)?
+            .iter()
+            .zip(&self.left)
+            .map(|(now, then)| now.iter().zip(then).map(|(a, b)| a - b).collect())
+            .collect();
+        let linear = self.linear.shifted(&change, &view);
+        let others: Vec<usize> = (view.common()..view.causes().len())
+            .filter(|c| *c != cause)
+            .collect();
+        let guesses = others.iter().map(|other| {
+            let (log, fit) = promise(&view, &self.expected, &linear, &self.before, *other);
+            (log, fit)
+        });
+        let mut guesses: Vec<(f64, Option<Fit>)> = guesses.collect();
+        guesses.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let itself = fit::begun(&self.before, cause, values);
+        let begun = guesses
+            .into_iter()
+            .take(RIVALS)
+            .filter_map(|(_, fit)| fit)
+            .chain([itself, self.before.clone()]);
+        let begun: Vec<Fit> = begun.collect();
+        let weighed = |from: &Fit| {
+            let slopes = self.linear.slopes(&view, &self.before, &from.causes);
+            let (fit, slopes) =
+                fit::refit_near(&view, from.clone(), slopes, &runs, fit::ROUGH_STEPS)?;
+            let linear = Linear::with(&view, &fit, slopes, &self.expected)?;
+            let set = Set::weighed(&view, &self.expected, fit, &linear)?;
+            Some((set, linear))
+        };
+        let mut all: Vec<(Set, Linear)> = begun.iter().filter_map(weighed).collect();
+        let best = all
+            .iter()
+            .map(|(set, _)| set.best())
+            .fold(f64::NEG_INFINITY, f64::max);
+        all.retain(|(set, _)| set.fit.causes.is_empty() || set.best() > best - HOPELESS);
+        let answer = |draw: &Vec<Vec<f64>>| {
+            let by: Vec<Vec<f64>> = draw
+                .iter()
+                .zip(&self.draws[0])
+                .map(|(now, then)| now.iter().zip(then).map(|(a, b)| a - b).collect())
+                .collect();
+            let logs = all.iter().filter_map(|(set, linear)| {
+                let linear = linear.shifted(&by, &view);
+                let set = Set::weighed(&view, &self.expected, set.fit.clone(), &linear)?;
+                Some((set.fit.causes.first().copied(), set.best()))
+            });
+            self.named(logs.collect())
+        };
+        Some(self.draws.iter().map(answer).collect())
     }
 
-    /// Variance inflation by the model's own error where it is compared with `other`, or with
-    /// nothing.
-    fn inflation(&self, other: Option<&Contender>) -> f64 {
-        let square = |a: &[f64], b: Option<&Vec<f64>>| match b {
-            Some(b) => a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum(),
-            None => dot(a, a),
-        };
-        let noise: f64 = square(&self.explained, other.map(|c| &c.explained));
-        let model: f64 = square(&self.coordinates, other.map(|c| &c.coordinates));
-        if noise > 0.0 {
-            1.0 + model / noise
-        } else {
-            1.0
-        }
-    }
-}
-
-/// What a diagnosis decides by.
-struct Judge<'a> {
-    evidence: &'a Evidence<'a>,
-    threshold: f64,
-    all: Vec<Contender>,
-    /// Variance inflation of each contender, and between every two.
-    inflation: Vec<f64>,
-    between: Vec<Vec<f64>>,
-}
-
-impl<'a> Judge<'a> {
-    fn new(evidence: &'a Evidence<'a>, threshold: f64, all: Vec<Contender>) -> Judge<'a> {
-        let between = |a: &Contender| all.iter().map(|b| a.inflation(Some(b))).collect();
-        Judge {
-            inflation: all.iter().map(|c| c.inflation(None)).collect(),
-            between: all.iter().map(between).collect(),
-            evidence,
-            threshold,
-            all,
-        }
-    }
-
-    /// Ids that would be named in a draw: the cause first, then its rivals.
-    fn answer(&self, draw: usize) -> Vec<&'static str> {
-        let evidence = self.evidence;
-        let (every, gain) = (0..self.all.len(), |k: usize| self.all[k].gains[draw]);
-        let degrees = |k: usize| evidence.degrees(self.all[k].cause) as f64;
-        let worth = |k: usize| gain(k) - 2.0 * degrees(k) - self.all[k].penalty;
-        let passes = |k: usize| {
-            let gain = gain(k) / self.inflation[k];
-            evidence.gain_beyond_chance(self.all[k].cause, gain) > self.threshold
-        };
-        let best = every.clone().max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
-        let Some(best) = best.filter(|k| self.all[*k].counts && every.clone().any(passes)) else {
-            return Vec::new();
-        };
-        let named = &self.all[best];
-        let needed = self.threshold.max(0.0) + named.penalty + evidence.gain_by_chance(named.cause);
-        if gain(best) / self.inflation[best] < needed {
-            return Vec::new();
-        }
-        let is_rival = |k: usize| {
-            let lead = gain(best) - gain(k);
-            let behind = (lead + 2.0 * (degrees(k) - degrees(best))) / self.between[best][k];
-            let is_equal = lead.abs() < POLICY.equal_gain * gain(best).abs() + 0.5;
-            (is_equal || behind < POLICY.rival_loss)
-                && (named.contradicts || !self.all[k].contradicts)
-        };
-        let mut rivals: Vec<usize> = every.filter(|k| *k != best && is_rival(*k)).collect();
-        rivals.sort_by(|a, b| worth(*b).total_cmp(&worth(*a)));
-        let mut ids = vec![named.id];
-        for rival in rivals {
-            let id = self.all[rival].id;
-            if !ids.contains(&id) && ids.len() <= POLICY.most_rivals {
+    /// Ids that would be named: the most probable cause first, then its rivals.
+    fn named(&self, mut logs: Vec<(Option<usize>, f64)>) -> Vec<&'static str> {
+        logs.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let none = logs.iter().find(|(cause, _)| cause.is_none());
+        let none = none.map_or(f64::NEG_INFINITY, |(_, log)| *log);
+        let mut ids = Vec::new();
+        for (cause, log) in &logs {
+            let Some(cause) = cause else { continue };
+            let is_claimed = logs[0].1 > none + POLICY.claim.ln();
+            let is_near = *log > logs[0].1 - POLICY.rival.ln();
+            let id = if *cause < self.kind.listed() {
+                self.kind.causes()[*cause].id
+            } else {
+                "unknown"
+            };
+            if is_claimed && is_near && !ids.contains(&id) && ids.len() <= MOST_RIVALS {
                 ids.push(id);
             }
         }
         ids
     }
+}
+
+/// What `fit` leaves of each run (σ).
+fn left(kind: &dyn Kind, fit: &Fit) -> Option<Vec<Vec<f64>>> {
+    let of = |run: usize| fit::residuals(kind, run, &fit.terms, &fit.unknowns[run]);
+    (0..kind.logs().len()).map(of).collect()
+}
+
+/// Noise (σ) of every reading of each run: that of the instruments, of measured inputs, and the model's
+/// own error.
+fn drawn(kind: &dyn Kind, discrepancy: &Discrepancy, random: &mut Pcg64) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for (run, log) in kind.logs().iter().enumerate() {
+        let by_inputs = kind.input_noise(run, &mut || StandardNormal.sample(random));
+        let mut values = Vec::with_capacity(log.readings.len());
+        for (i, reading) in log.readings.iter().enumerate() {
+            let channel = &kind.channels()[reading.channel];
+            let z: f64 = StandardNormal.sample(random);
+            let size = fit::scatter(kind, reading);
+            let noise = if channel.step > 0.0 {
+                quantised(channel, reading.value / channel.noise, z) * channel.noise
+            } else {
+                z * channel.noise
+            };
+            let by_input = by_inputs.as_ref().map_or(0.0, |moved| moved[i]);
+            values.push((noise + by_input) / size);
+        }
+        all.push(values);
+    }
+    let mut flat = all.concat();
+    discrepancy.add(&mut flat, random);
+    let mut rest = &flat[..];
+    for values in &mut all {
+        let (here, after) = rest.split_at(values.len());
+        values.copy_from_slice(here);
+        rest = after;
+    }
+    all
 }
 
 /// How much readings show each of several effects: products of what they do, in squares of standard
@@ -350,7 +299,7 @@ pub fn shown(kind: &dyn Kind, effects: &[(usize, Vec<f64>)], settings: &Settings
     let view = View::exact(kind, settings, &Terms::off(kind.causes()))?;
     let runs: Vec<usize> = (0..view.logs().len()).collect();
     let before = fit::fit_none(&view, &runs)?;
-    let tangent = Tangent::new(&view, &before, false)?;
+    let tangent = Tangent::new(&view, &before)?;
     let change = |(cause, values): &(usize, Vec<f64>)| {
         let terms = on(kind, *cause, values);
         // What does not jump with an effect shows nothing that can be counted on.
@@ -387,7 +336,7 @@ impl Shown {
             let others = (0..ids.len()).filter(|j| ids[*j] != ids[i] && products[(*j, *j)] > 0.0);
             let left = others.map(|j| whole - products[(i, j)].powi(2) / products[(j, j)]);
             let nearest = left.fold(whole, f64::min).max(0.0).sqrt();
-            (nearest / POLICY.told_apart).min(1.0)
+            (nearest / APART).min(1.0)
         };
         (0..asked).map(of).sum::<f64>() / asked.max(1) as f64
     }
@@ -404,7 +353,7 @@ pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usi
     };
     let runs: Vec<usize> = (0..view.logs().len()).collect();
     let before = fit::fit_none(&view, &runs);
-    let Some(tangent) = before.and_then(|before| Tangent::new(&view, &before, false)) else {
+    let Some(tangent) = before.and_then(|before| Tangent::new(&view, &before)) else {
         return Vec::new();
     };
     let discrepancy = Discrepancy::new(&view);

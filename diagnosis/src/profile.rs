@@ -34,8 +34,6 @@ pub(crate) struct Profile<'a> {
     pub(crate) known: &'a Known,
     /// Derivatives of all runs there.
     pub(crate) slopes: &'a Slopes,
-    /// By how much more than white noise the residuals weigh.
-    pub(crate) inflation: f64,
 }
 
 impl Profile<'_> {
@@ -58,7 +56,7 @@ impl Profile<'_> {
         };
         // Noise of measured inputs lets the parameter go further than the loss of the readings
         // says.
-        let inflation = self.known.inflation(index, self.inflation);
+        let inflation = self.known.inflation(index);
         let level = LEVEL * inflation * all / readings;
         let (from, side) = (
             self.fit.terms.get(cause, parameter),
@@ -181,7 +179,7 @@ mod tests {
             let before = fit::fit_none(self, &[0]).expect("an answer");
             let fit = fit::fit_with(self, &before, 0, &[0]).expect("a fit");
             let mut candidate = Candidate::new(self, 0, &before, fit);
-            report(self, &mut candidate, 1.0, true);
+            report(self, &mut candidate, &[], true);
             candidate
                 .reported
                 .iter()

@@ -7,10 +7,16 @@ use saltus_numeric::parallel;
 use crate::between::Wider;
 use crate::finding::{Candidate, Reported};
 use crate::fit::{self, parameters_of};
+use crate::identifiability::LEAST;
 use crate::kind::{Cause, Kind, Parameter, Terms};
-use crate::policy::POLICY;
 use crate::profile::{Interval, Profile};
 use crate::tangent::Tangent;
+
+/// A parameter is unlimited if its bound is farther than so many times the least that explains the data.
+const UNLIMITED: f64 = 2.0;
+
+/// Half of a 95 % interval in standard deviations.
+const NORMAL: f64 = 1.96;
 
 /// What the data do not tell of a cause.
 pub(crate) struct NotTold {
@@ -21,15 +27,15 @@ pub(crate) struct NotTold {
 }
 
 /// Fills in what is reported of a candidate's cause; intervals take a profile of the likelihood for
-/// each end.
+/// each end. `bias` is by how much each parameter may be off (its scales) besides.
 pub(crate) fn report(
     kind: &dyn Kind,
     candidate: &mut Candidate,
-    inflation: f64,
+    bias: &[f64],
     with_intervals: bool,
 ) -> NotTold {
     let (fit, cause) = (&candidate.fit, candidate.cause);
-    let known = Tangent::new(kind, fit, false).map(|t| t.known(kind, fit));
+    let known = Tangent::new(kind, fit).map(|t| t.known(kind, fit));
     let places = parameters_of(kind, &fit.causes);
     let offset = places.iter().take_while(|place| place.0 != cause).count();
     let spec = &kind.causes()[cause];
@@ -43,22 +49,39 @@ pub(crate) fn report(
                 fit,
                 known,
                 slopes,
-                inflation,
             };
             law.ends(cause, &profile)
         }
         None => vec![None; law.reported.len()],
     };
-    let wider: Vec<Option<Wider>> = (offset..offset + n)
-        .map(|i| known.as_ref().and_then(|known| known.wider(i, inflation)))
+    let between: Vec<Option<Wider>> = (offset..offset + n)
+        .map(|i| known.as_ref().and_then(|known| known.wider(i)))
+        .collect();
+    let biased = |p: usize| {
+        let deviation = bias.get(p).copied().filter(|x| *x > 0.0 && x.is_finite());
+        deviation.map(|deviation| Wider {
+            deviation,
+            half: NORMAL * deviation,
+        })
+    };
+    let wider: Vec<Option<Wider>> = (0..n)
+        .map(|p| match (between[p], biased(p)) {
+            (Some(a), Some(b)) => Some(Wider {
+                deviation: a.deviation.max(b.deviation),
+                half: a.half.max(b.half),
+            }),
+            (a, b) => a.or(b),
+        })
         .collect();
     let covariance = known.as_ref().map_or_else(
         || DMatrix::from_element(n, n, f64::NAN),
         |known| {
             let of_readings = known.covariance.view((offset, offset), (n, n));
-            let factor = |i: usize| match wider[i] {
-                Some(wider) => wider.deviation / of_readings[(i, i)].sqrt(),
-                None => known.inflation(offset + i, inflation).sqrt(),
+            let factor = |i: usize| {
+                let own = known.inflation(offset + i).sqrt();
+                let wide = wider[i].map(|w| w.deviation / of_readings[(i, i)].sqrt());
+                wide.filter(|x| x.is_finite())
+                    .map_or(own, |wide| own.max(wide))
             };
             DMatrix::from_fn(n, n, |i, j| of_readings[(i, j)] * factor(i) * factor(j))
         },
@@ -71,10 +94,10 @@ pub(crate) fn report(
             let ends = law.widened((cause, k), ends.clone(), &wider);
             law.interval(cause, k, &ends)
         }),
-        runs_disagree: (0..n).any(|p| law.slopes[p][k] != 0.0 && wider[p].is_some()),
+        runs_disagree: (0..n).any(|p| law.slopes[p][k] != 0.0 && between[p].is_some()),
     };
     let undetermined = known.as_ref().and_then(|k| {
-        let is_vague = k.least < POLICY.least_information && n > 1;
+        let is_vague = k.least < LEAST && n > 1;
         is_vague.then(|| k.direction[offset..offset + n].to_vec())
     });
     let is_unlimited = law.is_unlimited(cause, &ends);
@@ -223,7 +246,7 @@ fn is_unlimited(parameter: &Parameter, value: f64, [low, high]: [Option<f64>; 2]
         (high, low, bounds.0)
     };
     let least = inner.map_or(0.0, |x| (x - neutral).abs());
-    outer.is_none() && (bound - neutral).abs() > POLICY.unlimited * least
+    outer.is_none() && (bound - neutral).abs() > UNLIMITED * least
 }
 
 #[cfg(test)]
@@ -238,7 +261,7 @@ mod tests {
         let toy = Toy::new(&values, vec![vec![1.0; ALL]])
             .with(0, |cause| cause.parameters[0].bounds.0 = least);
         let mut candidate = Candidate::new(&toy, 0, &toy.before(), toy.fitted(&[0]));
-        report(&toy, &mut candidate, 1.0, true);
+        report(&toy, &mut candidate, &[], true);
         candidate.reported.remove(0)
     }
 

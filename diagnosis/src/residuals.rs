@@ -4,8 +4,8 @@
 use saltus_numeric::statistics::mean;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
-use crate::fit::{Fit, parameters_of};
-use crate::fitness::Fitness;
+use crate::finding::{Fitness, Unknown};
+use crate::fit::{self, Fit, parameters_of};
 use crate::kind::Kind;
 
 /// Phase of a run whose kind has none.
@@ -146,7 +146,6 @@ pub fn residuals(
     model: &Fit,
     fitness: &Fitness,
     conditions: &[Vec<(String, f64)>],
-    false_alarms: f64,
 ) -> Vec<PhaseResidual> {
     let points = points(kind, model);
     // What was fitted took as many degrees of freedom from the readings, evenly.
@@ -171,13 +170,77 @@ pub fn residuals(
             all.push(found);
         }
     }
-    find_faults(&mut all, fitness, false_alarms);
+    find_faults(&mut all, fitness);
     all
 }
 
+/// Where `model` is most off in a channel.
+pub(crate) fn worst(kind: &dyn Kind, model: &Fit, channel: usize) -> Option<Unknown> {
+    let mut parts: Vec<Part> = Vec::new();
+    for run in 0..kind.logs().len() {
+        add_parts(&mut parts, kind, model, run, channel)?;
+    }
+    let mean = |part: &Part| part.squares / part.count;
+    let part = parts
+        .into_iter()
+        .max_by(|a, b| mean(a).total_cmp(&mean(b)))?;
+    let channel = &kind.channels()[channel];
+    Some(Unknown {
+        channel: channel.name.clone(),
+        rms: mean(&part).sqrt() * channel.noise,
+        phase: part.name,
+    })
+}
+
+/// Residuals of a channel in a phase of all runs.
+struct Part {
+    name: String,
+    /// Sum of their squares (σ²).
+    squares: f64,
+    count: f64,
+}
+
+/// Adds the residuals of a channel in a run to the parts of their phases.
+fn add_parts(
+    parts: &mut Vec<Part>,
+    kind: &dyn Kind,
+    model: &Fit,
+    run: usize,
+    channel: usize,
+) -> Option<()> {
+    let (unknowns, readings) = (&model.unknowns[run], &kind.logs()[run].readings);
+    let residuals = fit::residuals(kind, run, &model.terms, unknowns)?;
+    let phases = kind.phases(run, &model.terms, unknowns);
+    let (first, last) = (readings.first()?.time, readings.last()?.time);
+    let third = |time: f64| {
+        let third = 3.0 * (time - first) / (last - first).max(f64::MIN_POSITIVE);
+        ["first third", "second third", "last third"]
+            [usize::from(third >= 1.0) + usize::from(third >= 2.0)]
+    };
+    for (reading, r) in readings.iter().zip(residuals) {
+        if reading.channel != channel {
+            continue;
+        }
+        let mut begun = phases.iter().rev().filter(|(_, at)| *at <= reading.time);
+        let name = begun.next().map_or_else(|| third(reading.time), |p| p.0);
+        let square = (r / reading.weight.sqrt()).powi(2);
+        match parts.iter_mut().find(|p| p.name == name) {
+            Some(part) => (part.squares, part.count) = (part.squares + square, part.count + 1.0),
+            None => parts.push(Part {
+                name: name.to_owned(),
+                squares: square,
+                count: 1.0,
+            }),
+        }
+    }
+    Some(())
+}
+
 /// Says of each channel that is not noise where and in which way it is not.
-fn find_faults(all: &mut [PhaseResidual], fitness: &Fitness, false_alarms: f64) {
-    let level = false_alarms / all.len().max(1) as f64;
+fn find_faults(all: &mut [PhaseResidual], fitness: &Fitness) {
+    /// How often a word may be said of noise.
+    const WORDS: f64 = 0.05;
+    let level = WORDS / all.len().max(1) as f64;
     for (channel, is_noise) in fitness.is_noise.iter().enumerate() {
         let these = || (0..all.len()).filter(|k| all[*k].channel == channel);
         let mut faults: Vec<(usize, Vec<&str>)> = these()

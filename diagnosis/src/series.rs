@@ -1,17 +1,18 @@
 //! Residuals of each run and channel as series in time: their smooth parts, and how they follow
 //! each other.
 
-use saltus_numeric::statistics::dot;
+use saltus_numeric::statistics::percentile;
 
+use crate::fit::{self, Fit};
 use crate::kind::Kind;
+use crate::likelihood::{WAVES, cosines};
 
-/// Smooth shapes over a run that residuals are compared with: Legendre's polynomials.
-pub(crate) const SHAPES: usize = 8;
+/// Smooth shapes over a run that residuals are compared with: cosines.
+pub(crate) const SHAPES: usize = WAVES;
 
 /// The readings of one channel in one run.
 pub(crate) struct Series {
     pub(crate) channel: usize,
-    pub(crate) run: usize,
     /// The place of each among all readings.
     pub(crate) places: Vec<usize>,
     /// Unit vectors of the smooth shapes over them.
@@ -28,52 +29,13 @@ impl Series {
     pub(crate) fn shapes(&self) -> &[Vec<f64>] {
         &self.shapes
     }
-
-    /// Their part of each smooth shape; 0 where there are too few readings for it.
-    pub(crate) fn smooth_parts(&self, residuals: &[f64]) -> [f64; SHAPES] {
-        let values = self.of(residuals);
-        let mut parts = [0.0; SHAPES];
-        for (part, shape) in parts.iter_mut().zip(&self.shapes) {
-            *part = dot(shape, &values);
-        }
-        parts
-    }
-}
-
-/// Legendre's polynomials 0 to `SHAPES` − 1 at x in [−1, 1].
-fn legendre(x: f64) -> [f64; SHAPES] {
-    let mut p = [1.0; SHAPES];
-    p[1] = x;
-    for k in 2..SHAPES {
-        let n = k as f64;
-        p[k] = ((2.0 * n - 1.0) * x * p[k - 1] - (n - 1.0) * p[k - 2]) / n;
-    }
-    p
-}
-
-/// Unit vectors of the smooth shapes over `n` readings.
-fn shapes(n: usize) -> Vec<Vec<f64>> {
-    let mut shapes = vec![vec![0.0; n]; SHAPES.min(n / 2)];
-    for i in 0..n {
-        let at = legendre(2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
-        for (shape, value) in shapes.iter_mut().zip(at) {
-            shape[i] = value;
-        }
-    }
-    for shape in &mut shapes {
-        let size = dot(shape, shape).sqrt();
-        for x in shape {
-            *x /= size;
-        }
-    }
-    shapes
 }
 
 /// Every series of an experiment that is not empty, run by run.
 pub(crate) fn series(kind: &dyn Kind) -> Vec<Series> {
     let mut all = Vec::new();
     let mut start = 0;
-    for (run, log) in kind.logs().iter().enumerate() {
+    for log in kind.logs() {
         for channel in 0..kind.channels().len() {
             let places: Vec<usize> = (0..log.readings.len())
                 .filter(|i| log.readings[*i].channel == channel)
@@ -82,8 +44,7 @@ pub(crate) fn series(kind: &dyn Kind) -> Vec<Series> {
             if !places.is_empty() {
                 all.push(Series {
                     channel,
-                    run,
-                    shapes: shapes(places.len()),
+                    shapes: cosines(places.len()),
                     places,
                 });
             }
@@ -93,32 +54,31 @@ pub(crate) fn series(kind: &dyn Kind) -> Vec<Series> {
     all
 }
 
-/// Number of runs.
-pub(crate) fn runs_of(series: &[Series]) -> usize {
-    series.iter().map(|s| s.run + 1).max().unwrap_or(0)
-}
-
-/// Correlation of each residual with the next of its run, of each channel.
-pub(crate) fn lag_correlation(series: &[Series], channels: usize, residuals: &[f64]) -> Vec<f64> {
-    let of = |c: usize| {
-        let (mut above, mut below) = (0.0, 1e-300);
-        for s in series.iter().filter(|s| s.channel == c) {
-            for pair in s.places.windows(2) {
-                above += residuals[pair[0]] * residuals[pair[1]];
-            }
-            let squares = s.places.iter().map(|&i| residuals[i] * residuals[i]);
-            below += squares.sum::<f64>();
-        }
-        above / below
+/// Variance inflation of what `model` leaves: variance times correlation time, at least 1; the greatest
+/// over channels.
+pub(crate) fn inflation(kind: &dyn Kind, model: &Fit) -> f64 {
+    let residuals = |run: usize| {
+        fit::residuals(kind, run, &model.terms, &model.unknowns[run]).unwrap_or_default()
     };
-    (0..channels).map(of).collect()
+    let raw: Vec<f64> = (0..kind.logs().len()).flat_map(residuals).collect();
+    // Outliers are cut; what is off by less than that everywhere is not made of outliers.
+    let mut sizes: Vec<f64> = raw.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let cut = (2.0 * percentile(&sizes, 0.95)).max(3.0);
+    let residuals: Vec<f64> = raw.iter().map(|r| r.clamp(-cut, cut)).collect();
+    let all = series(kind);
+    let of = |channel: usize| {
+        let these = all.iter().filter(|s| s.channel == channel);
+        inflation_of(&these.map(|s| s.of(&residuals)).collect::<Vec<_>>())
+    };
+    (0..kind.channels().len()).map(of).fold(1.0, f64::max)
 }
 
 /// Variance times correlation time of a channel's residuals, run by run.
 ///
 /// The correlation time is 1 + 2 Σ ρ of the lags up to the first whose ρ is within three standard
 /// errors of 0.
-pub(crate) fn inflation(runs: &[Vec<f64>]) -> f64 {
+fn inflation_of(runs: &[Vec<f64>]) -> f64 {
     let n: usize = runs.iter().map(Vec::len).sum();
     if n < 8 {
         return 1.0;
@@ -144,17 +104,17 @@ pub(crate) fn inflation(runs: &[Vec<f64>]) -> f64 {
 mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;
+    use saltus_numeric::statistics::dot;
 
     use super::*;
 
-    /// Shapes are orthonormal as far as sums are integrals.
     #[test]
     fn shapes_are_orthonormal() {
-        let shapes = shapes(2000);
+        let shapes = cosines(2000);
         for (i, a) in shapes.iter().enumerate() {
             for (j, b) in shapes.iter().enumerate() {
                 let one = f64::from(u8::from(i == j));
-                assert!((dot(a, b) - one).abs() < 1e-4, "{i} {j}");
+                assert!((dot(a, b) - one).abs() < 1e-9, "{i} {j}");
             }
         }
     }
@@ -173,9 +133,9 @@ mod tests {
                 })
                 .collect();
             let known = 4.0 * (1.0 + rho) / (1.0 - rho);
-            let found = inflation(&[run]);
+            let found = inflation_of(&[run]);
             assert!((found / known - 1.0).abs() < 0.05, "{rho}: {found} {known}");
         }
-        assert_eq!(inflation(&[vec![9.0; 7]]), 1.0, "too few to tell");
+        assert_eq!(inflation_of(&[vec![9.0; 7]]), 1.0, "too few to tell");
     }
 }

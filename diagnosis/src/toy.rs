@@ -4,11 +4,9 @@
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use crate::evidence::Evidence;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
 use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
-use crate::settings::Settings;
 
 /// Runs, and readings in each.
 pub(crate) const RUNS: usize = 8;
@@ -20,7 +18,6 @@ pub(crate) const ALL: usize = RUNS * READINGS;
 pub(crate) struct Toy {
     data: Data,
     columns: Vec<Vec<f64>>,
-    trust: f64,
     discrepancy: f64,
 }
 
@@ -77,7 +74,6 @@ impl Toy {
                 ..Data::default()
             },
             columns,
-            trust: 0.1,
             discrepancy: 0.0,
         }
     }
@@ -90,18 +86,6 @@ impl Toy {
             name: "run-0".into(),
             readings,
         }];
-        self
-    }
-
-    /// With the last of its columns as a term without a name.
-    pub(crate) fn with_a_term(mut self) -> Toy {
-        self.data.listed -= 1;
-        self
-    }
-
-    /// With another error of the model (σ).
-    pub(crate) fn with_model_error(mut self, trust: f64) -> Toy {
-        self.trust = trust;
         self
     }
 
@@ -129,11 +113,6 @@ impl Toy {
         });
         fit.expect("an answer")
     }
-
-    /// What a search works on.
-    pub(crate) fn evidence<'a>(&'a self, settings: &'a Settings) -> Evidence<'a> {
-        Evidence::new(self, settings, &|_| {}, false)
-    }
 }
 
 impl Kind for Toy {
@@ -143,10 +122,6 @@ impl Kind for Toy {
 
     fn unknowns(&self, _: usize) -> Vec<Parameter> {
         Vec::new()
-    }
-
-    fn trust(&self) -> f64 {
-        self.trust
     }
 
     fn discrepancy(&self) -> f64 {

@@ -4,20 +4,16 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use crate::fit::Fit;
-use crate::fitness;
+use crate::fit;
 use crate::kind::{Cause, Channel, Data, Kind, Log, Parameter, Terms};
 use crate::known;
-use crate::policy::POLICY;
+use crate::likelihood::Scatter;
 use crate::recent::Recent;
 use crate::settings::Settings;
 
 /// Most answers of a run that are kept, and most readings in all that they have.
 const ANSWERS: usize = 400;
 const READINGS: usize = 8_000_000;
-
-/// Scatter in terms of the stated one up to which it is taken as stated.
-const AS_STATED: f64 = POLICY.noise_as_stated;
 
 /// What was asked of the model of a run: all its parameters.
 #[derive(PartialEq)]
@@ -38,6 +34,7 @@ pub(crate) struct View<'a> {
     channels: Vec<Channel>,
     causes: Vec<Cause>,
     discrepancy: f64,
+    amplitudes: Vec<f64>,
     /// Readings in the place of those that were measured.
     logs: Option<Vec<Log>>,
     said: Arc<[Said]>,
@@ -53,6 +50,10 @@ impl<'a> View<'a> {
             causes: known::inform(kind.causes(), &settings.known)
                 .map_or_else(|_| kind.causes().to_vec(), |told| told.0),
             discrepancy: settings.discrepancy.unwrap_or(kind.discrepancy()),
+            amplitudes: vec![
+                settings.discrepancy.unwrap_or(kind.discrepancy());
+                kind.channels().len()
+            ],
             logs: None,
             said,
         }
@@ -80,24 +81,43 @@ impl<'a> View<'a> {
         })
     }
 
-    /// With the scatter that `model` leaves, which has the model's own error in it; none where that
-    /// is about what was stated.
-    pub(crate) fn rescaled(&self, model: &Fit) -> Option<View<'a>> {
-        let scatter = fitness::scatter(self, model);
-        let scale = |(channel, seen): (&Channel, &f64)| Channel {
-            noise: channel.noise * if *seen > AS_STATED { *seen } else { 1.0 },
+    /// With each reading of each run off by so many of its standard deviations.
+    pub(crate) fn with_noise(&self, noise: &[Vec<f64>]) -> View<'a> {
+        let mut logs = self.logs().to_vec();
+        for (log, noise) in logs.iter_mut().zip(noise) {
+            for (reading, z) in log.readings.iter_mut().zip(noise) {
+                reading.value += z * fit::scatter(self, reading);
+            }
+        }
+        View {
+            kind: self.kind,
+            channels: self.channels.clone(),
+            causes: self.causes.clone(),
+            discrepancy: self.discrepancy,
+            amplitudes: self.amplitudes.clone(),
+            logs: Some(logs),
+            said: Arc::clone(&self.said),
+        }
+    }
+
+    /// With noise and model error as they were found, where so many readings of each channel count as
+    /// one.
+    pub(crate) fn scattering(&self, scatter: &[Scatter], alike: &[f64]) -> View<'a> {
+        let noise = |k: usize| scatter[k].noise * alike[k].sqrt();
+        let scale = |(k, channel): (usize, &Channel)| Channel {
+            noise: channel.noise * noise(k),
             ..channel.clone()
         };
-        let is_more = scatter.iter().any(|s| *s > AS_STATED);
-        let channels = self.channels.iter().zip(&scatter).map(scale).collect();
-        is_more.then(|| View {
+        let amplitudes = scatter.iter().enumerate();
+        View {
             kind: self.kind,
-            channels,
+            channels: self.channels.iter().enumerate().map(scale).collect(),
             causes: self.causes.clone(),
-            discrepancy: 0.0,
+            discrepancy: self.discrepancy,
+            amplitudes: amplitudes.map(|(k, s)| s.amplitude / noise(k)).collect(),
             logs: self.logs.clone(),
             said: Arc::clone(&self.said),
-        })
+        }
     }
 }
 
@@ -153,5 +173,9 @@ impl Kind for View<'_> {
 
     fn discrepancy(&self) -> f64 {
         self.discrepancy
+    }
+
+    fn amplitudes(&self) -> Vec<f64> {
+        self.amplitudes.clone()
     }
 }

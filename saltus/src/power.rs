@@ -137,7 +137,7 @@ fn of(
 /// products of these vectors add up over jumps. By them, the distance between what one effect and
 /// the best multiple of another do is known for every set of jumps. Jumps are added, and then
 /// exchanged, while the mean over all effects of the distance to the nearest other one grows, where
-/// [`POLICY.told_apart`](saltus_diagnosis::Policy::told_apart) standard deviations are enough.
+/// five standard deviations of a reading are enough.
 ///
 /// # Errors
 /// As [`told`], and where the kind has no jumps.

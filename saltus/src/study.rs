@@ -86,6 +86,8 @@ pub fn study(
     /// Looks at the noise: what a cause explains that is found with less of it may show that there
     /// is less still.
     const MOST: usize = 4;
+    /// Ratio of stated to seen noise from which on fits are made by the seen one.
+    const FAR: f64 = 5.0;
     let mut experiment = experiment.clone();
     let mut doubted = disbelieve(&mut experiment);
     let mut rounds = 0;
@@ -99,10 +101,10 @@ pub fn study(
                 &experiment,
             )));
         };
-        let found = misstated(&experiment, kind.as_ref(), &diagnosis.after);
+        let found = misstated(&experiment, kind.as_ref(), &diagnosis);
         let mut is_overstated = false;
         for now in found {
-            if now.stated > now.seen {
+            if now.stated > FAR * now.seen {
                 is_overstated = true;
                 let column = experiment
                     .columns

@@ -3,7 +3,6 @@
 use super::{Causes, FREE, amount, causes, delay, faults, gain, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::fit::{self, Fit};
-use crate::fitness;
 use crate::kind::Proposal;
 use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::layout::{Draw, Layout, count};
@@ -124,7 +123,9 @@ impl Flights {
             Some(model)
         };
         match (left(self), left(&round)) {
-            (Some(plane), Some(arc)) => plane.loss - arc.loss > 0.5 * fitness::excess(self, &plane),
+            (Some(plane), Some(arc)) => {
+                plane.loss - arc.loss > 0.5 * (plane.loss - readings as f64)
+            }
             _ => false,
         }
     }

@@ -16,6 +16,7 @@ mod stroke;
 mod tank_leg;
 mod vessel;
 mod walk;
+mod windows;
 
 pub use flight::Flights;
 pub use machine::Motions;
@@ -80,7 +81,15 @@ impl Sort {
 /// # Errors
 /// [`Problem`] where data and robot do not go together.
 pub fn build(experiment: &Experiment, robot: Option<&Robot>) -> Result<Box<dyn Kind>, Problem> {
-    (experiment.kind.spec().model)(experiment, robot)
+    let whole = (experiment.kind.spec().model)(experiment, robot)?;
+    if !matches!(experiment.kind, Sort::Pendulum | Sort::Machine) {
+        return Ok(whole);
+    }
+    Ok(Box::new(windows::Restarting {
+        whole,
+        experiment: experiment.clone(),
+        robot: robot.cloned(),
+    }))
 }
 
 /// The effect of each cause in the model of its kind; none for faults of sensors, which the engine

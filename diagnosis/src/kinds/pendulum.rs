@@ -9,7 +9,7 @@ use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
 
 use super::input::Input;
-use super::{Causes, FREE, braked, causes, delay, faults, gain, offset, share, simple, unknown};
+use super::{Causes, FREE, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
@@ -152,11 +152,12 @@ pub struct Pendulums {
     causes: Causes<Effect>,
 }
 
-/// Turn (rad) of the swing's phase in a step at most: the phase of a whole step is off by its cube
-/// over 24.
-const STEP: f64 = 2e-3;
-/// Longest step (s).
-const LONGEST: f64 = 2e-3;
+/// Turn (rad) of the swing's phase in a step at most: the phase of a whole step is off by its fifth
+/// power over 120 (Runge and Kutta's method of order four).
+const STEP: f64 = 0.08;
+/// Longest step (s), and the shortest that is worth its time.
+const LONGEST: f64 = 0.02;
+const SHORTEST: f64 = 1e-5;
 
 impl Pendulums {
     /// The experiment's pendulums.
@@ -355,20 +356,96 @@ struct Swing {
 }
 
 impl Swing {
-    /// Longest step (s).
-    fn step(&self) -> f64 {
+    /// Longest step (s) from a rate (rad/s).
+    fn step(&self, rate: f64) -> f64 {
         let stiffness = self.moment.abs() + self.spring.abs() + 2.0 * self.second.abs();
-        (STEP * (self.inertia / stiffness).sqrt()).min(LONGEST)
+        let brake = self.viscous.abs() + 2.0 * (self.drag * rate).abs();
+        let by_brake = 2.0 * STEP * self.inertia / brake;
+        (STEP * (self.inertia / stiffness).sqrt())
+            .min(by_brake)
+            .min(LONGEST)
     }
 
-    /// One step of h (s) under a torque (N m): the middle of the step gives the torques.
-    fn go(&self, [angle, rate]: [f64; 2], torque: f64, h: f64) -> [f64; 2] {
-        let middle = angle + 0.5 * h * rate;
+    /// Torque (N m) but for dry friction.
+    fn push(&self, [angle, rate]: [f64; 2], torque: f64) -> f64 {
         let back =
-            self.moment * middle.sin() + self.spring * middle + self.second * (2.0 * middle).sin();
-        let friction = [self.dry, self.viscous, self.drag];
-        let next = braked(rate, torque - back, friction, self.inertia, h);
-        [angle + 0.5 * h * (rate + next), next]
+            self.moment * angle.sin() + self.spring * angle + self.second * (2.0 * angle).sin();
+        torque - back - (self.viscous + self.drag * rate.abs()) * rate
+    }
+
+    /// One step of h (s), in which the torque (N m) goes straight from the first to the second and then to
+    /// the third of `torques`. Dry friction ends and begins where the rate turns round.
+    fn go(&self, mut state: [f64; 2], torques: [f64; 3], h: f64) -> [f64; 2] {
+        /// Turns in a step that are followed.
+        const TURNS: usize = 4;
+        let torque = |share: f64| {
+            let [a, b, x] = if share < 0.5 {
+                [torques[0], torques[1], 2.0 * share]
+            } else {
+                [torques[1], torques[2], 2.0 * share - 1.0]
+            };
+            a + x * (b - a)
+        };
+        let mut done = 0.0;
+        for _ in 0..TURNS {
+            let mut sense = state[1].signum();
+            if self.dry > 0.0 && state[1] == 0.0 {
+                let net = |share: f64| self.push(state, torque(share));
+                let (now, end) = (net(done), net(1.0));
+                if now.abs() <= self.dry && end.abs() <= self.dry {
+                    return state;
+                }
+                if now.abs() <= self.dry {
+                    // It breaks away where the torque, which goes straight, has grown to that of friction.
+                    let most = self.dry.copysign(end);
+                    done += (1.0 - done) * (most - now) / (end - now);
+                }
+                sense = net(0.5 * (done + 1.0)).signum();
+            }
+            let to = |share: f64| self.moved(state, &torque, (done, share), sense, h);
+            let next = to(1.0);
+            if self.dry == 0.0 || next[1] * sense >= 0.0 {
+                return next;
+            }
+            // Where the rate turns round, by secants.
+            let (mut share, mut there) = (done, state);
+            let (mut late, mut after) = (1.0, next);
+            for _ in 0..3 {
+                let slope = (after[1] - there[1]) / (late - share);
+                (late, after) = (share, there);
+                let at = (share - there[1] / slope).clamp(done, 1.0);
+                if slope == 0.0 || (at - late).abs() < 1e-12 {
+                    break;
+                }
+                (share, there) = (at, to(at));
+            }
+            (state, done) = ([there[0], 0.0], share);
+        }
+        state
+    }
+
+    /// The state at the share `end` of a step of h (s), from the share `begin`, where the rate has one
+    /// sense.
+    fn moved(
+        &self,
+        [angle, rate]: [f64; 2],
+        torque: &dyn Fn(f64) -> f64,
+        (begin, end): (f64, f64),
+        sense: f64,
+        h: f64,
+    ) -> [f64; 2] {
+        let (middle, h) = (torque(0.5 * (begin + end)), h * (end - begin));
+        let at = |state: [f64; 2], torque: f64| {
+            (self.push(state, torque) - sense * self.dry) / self.inertia
+        };
+        let k1 = [rate, at([angle, rate], torque(begin))];
+        let by = |k: [f64; 2], h: f64| [angle + h * k[0], rate + h * k[1]];
+        let of = |state: [f64; 2], torque: f64| [state[1], at(state, torque)];
+        let k2 = of(by(k1, 0.5 * h), middle);
+        let k3 = of(by(k2, 0.5 * h), middle);
+        let k4 = of(by(k3, h), torque(end));
+        let mean = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+        by([mean(0), mean(1)], h)
     }
 }
 
@@ -414,20 +491,21 @@ impl Kind for Pendulums {
         let (torque, gauge) = (&self.torques[run], self.data.sensor("torque_nm", terms));
         let (mut now, mut at) = (self.data.logs[run].readings.first()?.time, 0);
         let mut state = [asked.sensors[0].truth(unknowns[0]), unknowns[1]];
-        let longest = swing.step();
-        if longest.is_nan() || longest < 1e-6 {
-            return None;
-        }
         let mut out = Vec::with_capacity(asked.times.len());
         for time in &asked.times {
             let left = (time - now).max(0.0);
+            let longest = swing.step(state[1]);
+            if longest.is_nan() || longest < SHORTEST {
+                return None;
+            }
             // As many steps as the longest allows.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let count = (left / longest).ceil() as usize;
             let h = left / count.max(1) as f64;
             for _ in 0..count {
-                let torque = torque.truth(now + 0.5 * h, &gauge, &mut at);
-                state = swing.go(state, torque, h);
+                let torques =
+                    [0.0, 0.5, 1.0].map(|share| torque.truth(now + share * h, &gauge, &mut at));
+                state = swing.go(state, torques, h);
                 now += h;
             }
             out.push(state[0]);
@@ -492,13 +570,18 @@ mod tests {
 
     /// Turning points (s, rad) of a swing of 10 s from rest at `angle`.
     fn turns(swing: &Swing, angle: f64) -> Vec<(f64, f64)> {
-        let h = swing.step();
+        let h = swing.step(0.0);
         let (mut state, mut time, mut all) = ([angle, 0.0], 0.0, Vec::new());
         while time < 10.0 {
-            let next = swing.go(state, 0.0, h);
+            let next = swing.go(state, [0.0; 3], h);
             if next[1] * state[1] < 0.0 || (next[1] == 0.0 && state[1] != 0.0) {
-                let share = state[1] / (state[1] - next[1]);
-                all.push((time + share * h, state[0] + 0.5 * share * h * state[1]));
+                let (mut low, mut high) = (0.0, h);
+                for _ in 0..50 {
+                    let middle = 0.5 * (low + high);
+                    let has_turned = swing.go(state, [0.0; 3], middle)[1] * state[1] <= 0.0;
+                    *(if has_turned { &mut high } else { &mut low }) = middle;
+                }
+                all.push((time + low, swing.go(state, [0.0; 3], low)[0]));
             }
             (state, time) = (next, time + h);
         }

@@ -462,17 +462,8 @@ impl Kind for Firings {
     }
 
     /// Joints, valves and contacts are never quite as they are modelled.
-    fn trust(&self) -> f64 {
+    fn discrepancy(&self) -> f64 {
         0.4
-    }
-
-    /// All ground gives a little, that of simulators too.
-    fn least_effect(&self, cause: usize) -> f64 {
-        if self.data.causes[cause].id == "ground-compliance" {
-            0.8
-        } else {
-            0.2
-        }
     }
 
     fn truths(&self, asked: &Asked<'_>) -> Option<Vec<f64>> {

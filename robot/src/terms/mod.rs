@@ -206,9 +206,9 @@ terms! {
     SpoolTime = Spec::optional("leg.valve_time_constant", TIME, at!(cylinder, spool_time))
         .shown("valve_time_constant_ms = 1", "of the valve's spool; 0: it switches at once")
         .cause("valve-delay", "the valve's spool takes another time to open and to close", |_, now| {
-            direct(now, (0.0, 0.1), 2e-4, &[0.3 * now, 3.0 * now])
+            direct(now, (0.0, 0.1), 2e-4, &[0.3 * now, 3.0 * now + 1e-3, 5e-3, 0.02])
         })
-        .seen_in(|r| r.leg.cylinder().is_some_and(|c| c.spool_time > 0.0));
+        .seen_in(|r| r.leg.cylinder().is_some());
     /// Shortest command that the valve follows (s).
     LeastPulse = Spec::optional(
         "leg.least_pulse",

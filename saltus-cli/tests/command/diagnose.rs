@@ -23,9 +23,10 @@ fn light_balls_are_braked_by_the_air_and_heavy_ones_are_not_said_to_be() {
         let text = folder.done(&format!("diagnose {}", ball(name)), 1);
         assert!(text.starts_with("Found: air-drag"), "{name}: {text}");
     }
+    // What is left of them is four times the noise, and smooth.
     for name in ["bowling-ball", "baseball"] {
-        let text = folder.done(&format!("diagnose {}", ball(name)), 0);
-        assert!(text.starts_with("Nothing is wrong"), "{name}: {text}");
+        let text = folder.done(&format!("diagnose {}", ball(name)), 1);
+        assert!(text.starts_with("Unknown: "), "{name}: {text}");
     }
 }
 
@@ -41,10 +42,7 @@ fn a_ball_is_braked_by_the_air() {
         text.contains("drag_coefficient") && text.contains("flight") && text.contains("± "),
         "{text}"
     );
-    assert!(
-        text.contains("in 5 % of cases (false alarm level)."),
-        "{text}"
-    );
+    assert!(text.contains("in about 1 % of cases"), "{text}");
     assert!(text.contains("\nWhat to do next\n"), "{text}");
 }
 
@@ -56,13 +54,17 @@ fn what_everybody_knows_leaves_the_air_alone() {
         let text = folder.done(&format!("diagnose {} --format json", ball(name)), 1);
         let document: Value = serde_json::from_str(&text).unwrap();
         let causes = document["causes"].as_array().unwrap();
-        assert_eq!((causes.len(), &causes[0]["id"]), (1, &"air-drag".into()));
-        assert_eq!(causes[0]["rivals"], serde_json::json!([]), "{name}");
-        let against = causes[0]["contradicting"].as_array().unwrap();
-        let ids: Vec<&str> = against.iter().map(|c| c["id"].as_str().unwrap()).collect();
-        assert_eq!(ids, ["gravity", "encoder-scale"], "{name}");
-        let away = &against[0]["deviations"][0]["standard_deviations_away"];
-        assert!(away.as_f64().unwrap() > 50.0, "{name}");
+        let ids: Vec<&Value> = causes.iter().map(|cause| &cause["id"]).collect();
+        assert_eq!(ids, ["air-drag", "unknown"], "{name}");
+        let rivals = causes[0]["rivals"].as_array().unwrap();
+        assert!(rivals.iter().all(|rival| rival == "unknown"), "{name}");
+        if name == "green-basketball" {
+            let against = causes[0]["contradicting"].as_array().unwrap();
+            let ids: Vec<&str> = against.iter().map(|c| c["id"].as_str().unwrap()).collect();
+            assert_eq!(ids, ["encoder-scale", "gravity"], "{name}");
+            let away = &against[1]["deviations"][0]["standard_deviations_away"];
+            assert!(away.as_f64().unwrap() > 50.0, "{name}");
+        }
     }
 }
 
@@ -71,11 +73,14 @@ fn what_everybody_knows_leaves_the_air_alone() {
 fn what_a_user_knows_takes_the_place_of_common_sense() {
     let folder = Folder::new("diagnose-told");
     let text = folder.done(
-        &format!("diagnose {} --known gravity=9.81±2", ball("tennis-ball")),
+        &format!(
+            "diagnose {} --known gravity=9.81±2",
+            ball("green-basketball")
+        ),
         1,
     );
-    assert!(text.contains("or else gravity"), "{text}");
-    let own = |file: &str| std::fs::read_to_string(Path::new(&ball("tennis-ball")).join(file));
+    assert!(text.starts_with("Found: gravity"), "{text}");
+    let own = |file: &str| std::fs::read_to_string(Path::new(&ball("green-basketball")).join(file));
     std::fs::create_dir(folder.path("data")).unwrap();
     for drop in ["drop-1.csv", "drop-2.csv"] {
         folder.write(&format!("data/{drop}"), own(drop).unwrap());
@@ -94,7 +99,7 @@ fn what_a_user_knows_takes_the_place_of_common_sense() {
     };
     stated("gravity_m_s2 = [9.81, 2]");
     let told = folder.done("diagnose data", 1);
-    assert!(told.contains("or else gravity"), "{told}");
+    assert!(told.starts_with("Found: gravity"), "{told}");
     for (known, said) in [
         ("gravity_m_s2 = 9.81", "known.gravity_m_s2"),
         ("gravity_m_s2 = [9.81, 0]", "standard deviation, above 0"),
@@ -178,9 +183,9 @@ fn a_document_has_the_documented_keys() {
     assert!(
         tried
             .iter()
-            .any(|c| c["id"] == "air-drag" && c["loss_falls_by"].as_f64().unwrap() > 100.0)
+            .any(|c| c["id"] == "air-drag" && c["log_odds"].as_f64().unwrap() > 10.0)
     );
-    assert_eq!(document["false_alarm_level"], 0.05);
+    assert!(document["noise"]["y_m"]["of_stated"].as_f64().unwrap() > 0.0);
     assert!(
         document
             .as_object()

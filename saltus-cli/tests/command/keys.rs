@@ -17,6 +17,7 @@ const OF_NAMES: &[&str] = &[
     "slips",
     "estimated",
     "gain",
+    "noise",
     "held_out_rms",
     "correlation_with",
     "others",

@@ -6,6 +6,7 @@ mod answers;
 mod bad_input;
 mod ball;
 mod ball_export;
+mod cases;
 mod clock;
 mod commands;
 mod common;

@@ -1,10 +1,9 @@
-//! What is known apart from the data, and what is visible within the error of the simulation, in
-//! words.
+//! What is known apart from the data, in words.
 
-use saltus::diagnosis::{Candidate, Deviation, Finding, POLICY, Small, Source};
+use saltus::diagnosis::{Candidate, Deviation, Finding, POLICY, Source};
 use serde_json::{Value, json};
 
-use crate::output::{digits, split, unit, with_unit};
+use crate::output::{digits, unit, with_unit};
 
 /// What is known against a finding and its rivals, a sentence for each.
 pub(super) fn against(finding: &Finding) -> Vec<String> {
@@ -24,7 +23,7 @@ pub(super) fn against(finding: &Finding) -> Vec<String> {
 }
 
 /// How far a candidate is from what is known; none where it does not contradict that.
-fn far(candidate: &Candidate) -> Option<String> {
+pub(super) fn far(candidate: &Candidate) -> Option<String> {
     let far = |d: &&Deviation| d.size() > POLICY.contradiction;
     let said: Vec<String> = candidate.deviations.iter().filter(far).map(said).collect();
     (!said.is_empty()).then(|| said.join("; "))
@@ -70,23 +69,4 @@ pub(super) fn json(candidates: &[Candidate]) -> Vec<Value> {
         json!({ "id": c.id, "column": c.column, "deviations": deviations })
     };
     candidates.iter().map(one).collect()
-}
-
-/// What is visible where nothing is claimed, as a sentence.
-pub(super) fn small(small: &Small) -> String {
-    let (channel, unit) = split(&small.channel);
-    let names: Vec<String> = small.causes.iter().map(Candidate::title).collect();
-    format!(
-        "Something small is there: about {} in {channel}, {} σ, root mean square. {} would explain \
-         it; none is claimed, as the simulation itself may be off by as much (--model-error).",
-        with_unit(small.rms, 2, unit),
-        digits(small.sigmas, 2),
-        names.join(" or "),
-    )
-}
-
-/// The same for programs.
-pub(super) fn small_json(small: &Small) -> Value {
-    let ids: Vec<&str> = small.causes.iter().map(|c| c.id).collect();
-    json!({"channel": small.channel, "rms": small.rms, "rms_sigma": small.sigmas, "causes": ids})
 }

@@ -72,7 +72,7 @@ pub(crate) struct Diagnose {
 #[command(next_help_heading = "What is claimed")]
 pub(super) struct Claims {
     /// Error of the simulation itself, in standard deviations of a reading: what is smaller and
-    /// smooth is shown, and not claimed [default: 0.1; with a robot 0.4]
+    /// smooth is not claimed [default: 0.1; with a robot 0.4]
     #[arg(long, value_name = "SIGMAS", allow_negative_numbers = true, value_parser = sigmas)]
     model_error: Option<f64>,
 
@@ -115,8 +115,8 @@ Examples:
   saltus diagnose drops/tennis-ball --known gravity=9.81±0.02 --known y_m.gain=1±0.003
 
 Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
-They are added one at a time while data that were left out of the fit are predicted better by it than \
-chance explains. Rivals are causes that the data cannot tell from the one named. The cause \"unknown\": \
+Sets of them are weighed by how probable the data are with each: what explains no more than chance does is not \
+claimed. Rivals are causes that the data cannot tell from the one named: less than 7 to 1. The cause \"unknown\": \
 something is left that is not noise and that no cause on the list explains. \"Not identifiable\": the data tell that something holds or \
 drives the machine, but neither which of its rivals nor how strong it is; it then says what to measure.
 
@@ -132,18 +132,18 @@ JSON: {\"causes\": [{\"id\", \"column\" (of a sensor), \"parameters\": {name: va
 \"intervals_95\": {name: [low, high]: by profile likelihood, null where an end is beyond what physics allows, as is the standard error of a parameter that rests at such a bound; not of a parameter \
 that depends on several of the fit}, \"runs_disagree\": [names of parameters about which runs disagree; absent if none], \"rivals\": [ids, two at most], \"less_likely\": [ids that are not excluded either], \"candidates\": [the rivals with their parameters], \"contradicting\": [causes that would do as well and contradict what is known, with the standard deviations that it would take], \"unlisted\" (null, or a term without an id \
 that does as well; then a rival is \"unknown\"), \"undetermined\" (null, or a direction of \
-the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"loss_falls_by\", \"held_out_loss_falls_by\"}], \"estimated\": {name: {\"value\", \"standard_error\"}: of what nobody states of the machine}, \"alone\": null or, where several causes were found, the one that explains most by itself: {\"id\", \"column\", \"held_out_rms\": {channel: in its unit}}, \"gain\": {channel: \
+the parameters that the data do not tell), \"identifiable\" (false: the data do not limit how strong it is), \"slips\": {name: what slip of unit it equals}, \"log_odds\", \"held_out_loss_falls_by\"}], \"estimated\": {name: {\"value\", \"standard_error\"}: of what nobody states of the machine}, \"alone\": null or, where several causes were found, the one that explains most by itself: {\"id\", \"column\", \"held_out_rms\": {channel: in its unit}}, \"gain\": {channel: \
 {\"rms_before\", \"rms_after\", \"noise\" (all in the channel's unit), \"ratio_low\", \"ratio_high\" (95 % interval of after/before)}}, \
 \"residuals\": {\"before\": [{\"channel\", \"phase\", \"readings\", \"mean\", \"rms\" (in the channel's unit), \
 \"mean_sigma\", \"rms_sigma\" (in standard deviations of the noise), \"lag_1_correlation\" (of each with the \
 next), \"correlation_with\": {condition: of the runs' means}, \"p_level\", \"p_whiteness\", \"p_runs\" (how \
-likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"left\" (null, or what the causes leave, where it is much: {\"channel\", \"phase\", \"rms\" in the channel's unit}), \"small\" (null, or what is visible where nothing is claimed: {\"channel\", \"rms\" (in the channel's unit), \"rms_sigma\", \"causes\": [ids that would explain it]}), \"tried\": \
-[{\"id\", \"parameters\", \"loss_falls_by\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
-\"false_alarm_level\", \"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
+likely noise is so large, so smooth, so different between runs), \"is_noise\"}], \"after\": […]}, \"noise\": {channel: {\"of_stated\": noise in terms of the stated or estimated one, \"follows\": correlation of each reading's noise with the one before, \"model_error_sigma\": error of the simulation itself in standard deviations, \"is_noise\"}}, \"tried\": \
+[{\"id\", \"parameters\", \"log_odds\"}: every cause alone], \"data\": {\"hash\", \"rows\", \"runs\", \"notes\"}, \
+\"next_experiment\": null or {\"what\", \"channel\", \"sigmas\", \"tells_apart\": [[id, id]]}, \
 \"worth\": null or {\"distance_m\", \"land_error_rms_m\": [before, after], \"laws\": [{\"slope_s\", \"intercept_rad\"}: of the robot as believed, as measured], \"rows\": [{\"omega_rad_s\", \"alpha_f_rad\", \"land_error_m\": [before, after]}]}, \"replan\": null or {\"course\", \"plant\", \"believed\" and \"measured\" (absent if the robot is as believed): null if no plan crosses the course, or {\"runs\", \"runs_passed\", \"land_error_mean_m\", \"land_error_sd_m\", \"missed_most\"}}, \"planner_leaves_out\": [keys of \
 the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"column\", \"stated\", \"seen\"}], \"next_steps\": [{\"what\", \"command\" (or null)}]}. The entry with the id \
-\"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). The loss is the sum of squared residuals in standard deviations, \
-outliers counted less; noise makes it fall by about 1 for each parameter.
+\"unknown\" has \"channel\", \"phase\", \"rms\" and \"term\" (null, or the term that describes it). \"log_odds\" is the natural logarithm of how many times as probable the data are with the cause. \
+\"held_out_loss_falls_by\" is of the sum of squared residuals in standard deviations, outliers counted less; noise makes it fall by about 1 for each parameter.
 
 CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
 

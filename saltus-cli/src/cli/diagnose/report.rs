@@ -1,8 +1,8 @@
 //! What was found, in words and in numbers.
 
 use saltus::diagnosis::{
-    Alone, Candidate, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported, Unknown,
-    residuals,
+    Alone, Candidate, Channel, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported,
+    Unknown, residuals,
 };
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
@@ -45,8 +45,7 @@ impl<'a> Report<'a> {
         };
         let conditions: Vec<Vec<(String, f64)>> =
             kind.logs().iter().map(|log| settings(&log.name)).collect();
-        let level = found.settings.false_alarms;
-        let of = |model, fitness| residuals(kind, model, fitness, &conditions, level);
+        let of = |model, fitness| residuals(kind, model, fitness, &conditions);
         let diagnosis = &found.diagnosis;
         Report {
             found,
@@ -102,7 +101,8 @@ impl<'a> Report<'a> {
             } else {
                 format!(", or else {}", rivals.join(" or "))
             };
-            format!("{name} ({what}){rivals}")
+            let against = known::far(&f.best).map_or("", |_| ", against what is known");
+            format!("{name} ({what}{against}){rivals}")
         };
         let of = |lead: &str, is_identifiable: bool| {
             let findings = diagnosis
@@ -144,17 +144,6 @@ impl<'a> Report<'a> {
         ))
     }
 
-    /// What the causes leave, if that is far more than instruments do.
-    pub(super) fn left(&self) -> Option<String> {
-        let left = self.found.diagnosis.left.as_ref()?;
-        Some(format!(
-            "{} It is little beside what the causes explain, but far more than the instruments do: \
-             the law of a cause may be another than the one assumed, or something smaller is at \
-             work beside it.",
-            is_left(left)
-        ))
-    }
-
     /// That more causes may be at work than were looked for, if what is left is not noise.
     pub(super) fn stopped(&self) -> Option<String> {
         /// What `--most` takes.
@@ -174,11 +163,6 @@ impl<'a> Report<'a> {
                 if most == 1 { "cause" } else { "causes" }
             )
         })
-    }
-
-    /// What is visible where nothing is claimed, if something is.
-    pub(super) fn small(&self) -> Option<String> {
-        self.found.diagnosis.small.as_ref().map(known::small)
     }
 
     /// The term that describes what is unknown.
@@ -354,9 +338,8 @@ impl<'a> Report<'a> {
         well, so that they alone cannot tell which it is; runs under other conditions could.";
 
     /// What misfit means.
-    pub(super) const MISFIT: &'static str = "The misfit is the sum of squared residuals in \
-        standard deviations of the noise, outliers counted less; a needless parameter lowers it \
-        by about 1.";
+    pub(super) const ODDS: &'static str = "Odds are how many times as probable the data are with \
+        the cause as without any: a 3 stands for 1000 to 1.";
 
     /// What the marks of the residuals mean.
     pub(super) const MARKS: &'static str = "Noise has mean 0 σ, rms 1 σ and lag-1 correlation 0 \
@@ -364,24 +347,25 @@ impl<'a> Report<'a> {
         beyond the stated noise), smooth (residuals follow each other), differs by run (means of \
         the runs differ). Small parts of it can be the instruments'.";
 
-    /// How often something is claimed of nothing, as a sentence.
-    pub(super) fn claims(&self) -> String {
-        format!(
-            "Data without an effect are said to have one in {} % of cases (false alarm level).",
-            digits(100.0 * self.found.settings.false_alarms, 3)
-        )
-    }
+    /// How often something is claimed of nothing.
+    pub(super) const CLAIMS: &'static str = "Data without an effect are said to have one in about \
+        1 % of cases (docs/diagnosis.md).";
 
-    /// Why standard errors are wider than the stated noise makes them, if they are.
-    pub(super) fn widened(&self) -> Option<String> {
-        let factor = self.found.diagnosis.inflation.sqrt();
-        (factor > 1.2 && !self.found.diagnosis.findings.is_empty()).then(|| {
-            format!(
-                "What is left scatters more than the stated noise, or follows itself; standard \
-                 errors allow for it, with a factor of {}.",
-                digits(factor, 2)
-            )
-        })
+    /// Channels whose noise follows itself, each in a sentence.
+    pub(super) fn following(&self) -> Vec<String> {
+        let follows = &self.found.diagnosis.fitness.1.follows;
+        let channels = self.found.kind.channels().iter().zip(follows);
+        let of = |(channel, follows): (&Channel, &f64)| {
+            (*follows > 0.0).then(|| {
+                format!(
+                    "The noise of {} follows itself: each reading repeats {} of the one before. \
+                     Errors and intervals allow for it.",
+                    channel.name,
+                    digits(*follows, 2)
+                )
+            })
+        };
+        channels.filter_map(of).collect()
     }
 
     /// What it means that runs disagree, where it is said of a parameter.
@@ -399,7 +383,7 @@ impl<'a> Report<'a> {
     /// Every cause alone, the one with the greatest gain first.
     pub(super) fn tried(&self) -> Vec<&Candidate> {
         let mut all: Vec<&Candidate> = self.found.diagnosis.tried.iter().collect();
-        all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        all.sort_by(|a, b| b.log_odds.total_cmp(&a.log_odds));
         all
     }
 
@@ -411,11 +395,7 @@ impl<'a> Report<'a> {
             .causes()
             .len()
             .saturating_sub(self.found.diagnosis.tried.len());
-        (silent > 0).then(|| {
-            format!(
-                "Left out, as next to nothing or far less would be gained: {silent} of the causes."
-            )
-        })
+        (silent > 0).then(|| format!("Left out, as far less probable: {silent} of the causes."))
     }
 
     /// For people.
@@ -435,9 +415,7 @@ impl<'a> Report<'a> {
         all.extend(words(Apart, self.estimated()));
         let unknown = self.unknown().map(|text| vec![Block::Words(In, text)]);
         all.extend(unknown.map(|words| Block::Card("unknown".into(), words)));
-        all.extend(words(Apart, self.left()));
         all.extend(words(Apart, self.stopped()));
-        all.extend(words(Below, self.small()));
         all.extend(words(Apart, self.worth()));
         let replan = self.found.replan.iter().flat_map(Replan::lines);
         let replan = replan.enumerate();
@@ -465,21 +443,21 @@ impl<'a> Report<'a> {
         );
         all.push(Block::Words(In, Self::MARKS.into()));
         all.push(Block::Heading(
-            "Every cause alone: by how much it lowers the misfit",
+            "Every cause alone: how much more probable it makes the data",
         ));
         if !diagnosis.tried.is_empty() {
             all.push(Block::Table(self.tried_lines(), 1));
         }
         all.extend(words(In, self.silent()));
-        all.push(Block::Words(In, Self::MISFIT.into()));
+        all.push(Block::Words(In, Self::ODDS.into()));
         let hash = &self.found.folder.hash;
         all.push(Block::Words(
             Apart,
             format!("{}; hash of the data {hash}", self.size()),
         ));
-        all.extend(words(Below, self.widened()));
+        all.extend(self.following().into_iter().map(below));
         all.extend(words(Below, self.disagree().map(str::to_owned)));
-        all.push(below(self.claims()));
+        all.push(below(Self::CLAIMS.into()));
         let notes = self.found.folder.notes.iter();
         all.extend(notes.map(|note| below(format!("note: {note}"))));
         all.push(Block::Heading("What to do next"));
@@ -674,7 +652,7 @@ impl<'a> Report<'a> {
 
     /// Every cause alone: a header, then lines.
     pub(super) fn tried_lines(&self) -> Vec<Vec<String>> {
-        let mut lines = vec![cells("cause|misfit less|with")];
+        let mut lines = vec![cells("cause|odds, powers of ten|with")];
         for c in self.tried() {
             let said: Vec<String> = self
                 .parameters(c)
@@ -682,7 +660,11 @@ impl<'a> Report<'a> {
                 .map(|(n, x)| format!("{n} = {x}"))
                 .collect();
             let name = c.title();
-            lines.push(vec![name, digits(c.gain, 4), said.join(", ")]);
+            lines.push(vec![
+                name,
+                digits(c.log_odds / std::f64::consts::LN_10, 3),
+                said.join(", "),
+            ]);
         }
         lines
     }
@@ -720,7 +702,7 @@ impl<'a> Report<'a> {
                 "intervals_95",
                 (!intervals.is_empty()).then(|| intervals.into()),
             ),
-            ("loss_falls_by", Some(json!(candidate.gain))),
+            ("log_odds", Some(json!(candidate.log_odds))),
         ];
         let present = entries.into_iter();
         present
@@ -773,13 +755,28 @@ impl<'a> Report<'a> {
         })
     }
 
+    /// What is left of each channel, for programs.
+    fn noise(&self) -> Value {
+        let left = &self.found.diagnosis.fitness.1;
+        let channels = self.found.kind.channels().iter().enumerate();
+        let of = |(c, channel): (usize, &Channel)| {
+            let entry = json!({
+                "of_stated": left.noise[c],
+                "follows": left.follows[c],
+                "model_error_sigma": left.own_error[c],
+                "is_noise": left.is_noise[c],
+            });
+            (channel.name.clone(), entry)
+        };
+        channels.map(of).collect()
+    }
+
     /// For programs.
     pub(super) fn json(&self) -> Value {
         let Found {
             folder,
             kind,
             diagnosis,
-            settings,
             ..
         } = self.found;
         let mut causes: Vec<Value> = diagnosis
@@ -827,10 +824,8 @@ impl<'a> Report<'a> {
             "gain": diagnosis.gains.iter().map(gain).collect::<Map<String, Value>>(),
             "residuals": { "before": residuals(&self.before), "after": residuals(&self.after) },
             "alone": diagnosis.alone.as_ref().map(|alone| self.alone_entry(alone)),
-            "left": diagnosis.left.as_ref().map(left_json),
-            "small": diagnosis.small.as_ref().map(known::small_json),
+            "noise": self.noise(),
             "tried": tried,
-            "false_alarm_level": settings.false_alarms,
             "next_experiment": next_json(diagnosis),
             "worth": self.found.worth.as_ref().map(worth_json),
             "replan": self.found.replan.as_ref().map(Replan::json),
@@ -932,10 +927,6 @@ fn is_left(unknown: &Unknown) -> String {
         unknown.phase,
         digits(unknown.rms, 3),
     )
-}
-
-fn left_json(left: &Unknown) -> Value {
-    json!({"channel": left.channel, "phase": left.phase, "rms": left.rms})
 }
 
 fn term_json(kind: &dyn Kind, term: &Candidate) -> Value {
