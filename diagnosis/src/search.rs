@@ -429,11 +429,12 @@ impl<'a> Search<'a> {
 
     /// The most probable set; of equal ones that with the fewest parameters.
     pub(crate) fn best(&self) -> Vec<usize> {
-        /// Difference in the logarithm of a probability, for each parameter, that tells nothing.
-        const EQUAL: f64 = 0.5;
-        let parameters = |c: &usize| self.kind.causes()[*c].parameters.len() as f64;
+        /// Difference in the logarithm of a probability, for each parameter but the first of a cause, that
+        /// tells nothing.
+        const EQUAL: f64 = 1.0;
+        let further = |c: &usize| self.kind.causes()[*c].parameters.len().saturating_sub(1) as f64;
         let worth = |(causes, set): (&Vec<usize>, &Set)| {
-            set.best() - EQUAL * causes.iter().map(parameters).sum::<f64>()
+            set.best() - EQUAL * causes.iter().map(further).sum::<f64>()
         };
         let best = self
             .sets

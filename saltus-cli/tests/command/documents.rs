@@ -168,7 +168,7 @@ pub(crate) fn furnished(name: &str) -> Folder {
     for file in ["saltus/examples/box.toml", "saltus/examples/low_box.toml"] {
         std::fs::copy(root.join(file), folder.path(file)).unwrap();
     }
-    let drops = "tests/reference/ball-drops/tennis-ball";
+    let drops = "tests/reference/ball-drops/green-basketball";
     std::fs::create_dir_all(folder.path(drops)).unwrap();
     for file in std::fs::read_dir(root.join(drops)).unwrap() {
         let file = file.unwrap();
@@ -204,7 +204,7 @@ const ANSWERS_NO: &[&str] = &[
     // A cause is found.
     "diagnose synthetic",
     "diagnose synthetic-mcap",
-    "diagnose tests/reference/ball-drops/tennis-ball",
+    "diagnose tests/reference/ball-drops/green-basketball",
     "diagnose logs/monday --report monday.html --extend rats-monday.toml",
     "diagnose logs/monday --replan saltus/examples/box.toml",
     // The thesis' robot stalls from rest.
