@@ -105,7 +105,8 @@ impl Search<'_> {
     }
 }
 
-/// What `fit` leaves of the readings in terms of what `cause` does to them there, 1 at most.
+/// Ratio of the residuals of `fit` to the effect of `cause` on the same readings (root mean squares), 1 at
+/// most.
 fn share(kind: &dyn Kind, fit: &Fit, cause: usize) -> f64 {
     let mut without = fit.terms.clone();
     for (p, parameter) in kind.causes()[cause].parameters.iter().enumerate() {

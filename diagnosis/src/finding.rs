@@ -101,7 +101,7 @@ pub struct Finding {
     pub next: Option<NextExperiment>,
 }
 
-/// What a model leaves of the data.
+/// Noise and model error in the residuals of a model, channel by channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitness {
     /// White noise of each channel, in terms of the noise as it is stated or estimated beforehand.
@@ -116,7 +116,7 @@ pub struct Fitness {
     pub is_noise: Vec<bool>,
 }
 
-/// What is wrong, but not by which cause.
+/// A misfit that no listed cause explains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknown {
     /// The channel that shows it most.
@@ -157,7 +157,7 @@ pub struct Diagnosis {
     pub before: Fit,
     /// The model with all findings.
     pub after: Fit,
-    /// What they leave.
+    /// Residuals of these two models.
     pub fitness: (Fitness, Fitness),
     /// Held-out gain of each channel.
     pub gains: Vec<Gain>,

@@ -14,7 +14,7 @@ use crate::sensor::Fault;
 const HUBER: f64 = 3.0;
 /// Most steps of a fit.
 pub(crate) const STEPS: usize = 40;
-/// The same of one that need not be sure.
+/// Most steps of a rough fit, by derivatives from nearby.
 pub(crate) const ROUGH_STEPS: usize = 15;
 /// Fall of the loss below which a fit is done.
 const DONE: f64 = 1e-2;
@@ -46,7 +46,7 @@ pub struct Fit {
     /// Twice the negative log-likelihood up to a constant: the sum of Huber's loss of the residuals
     /// in standard deviations.
     pub loss: f64,
-    /// Robust standard deviation (σ, 1 at least) of what is left of each channel: residuals beyond
+    /// Robust standard deviation of the residuals of each channel (σ, 1 at least): residuals beyond
     /// three of it count in proportion to their size only.
     pub(crate) scales: Vec<f64>,
 }
@@ -70,7 +70,7 @@ impl Fit {
     }
 }
 
-/// Robust standard deviation (σ, 1 at least) of what `fit` leaves of each channel.
+/// Robust standard deviation of the residuals of `fit` in each channel (σ, 1 at least).
 pub(crate) fn scales(kind: &dyn Kind, fit: &Fit) -> Option<Vec<f64>> {
     let mut sizes = vec![Vec::new(); kind.channels().len()];
     for (run, log) in kind.logs().iter().enumerate() {

@@ -439,7 +439,7 @@ pub trait Kind: Sync {
         self.inner().map_or(0.1, Kind::discrepancy)
     }
 
-    /// The same of each channel.
+    /// Standard deviation of the model's own error of each channel (σ of a reading).
     fn amplitudes(&self) -> Vec<f64> {
         vec![self.discrepancy(); self.channels().len()]
     }
