@@ -330,6 +330,11 @@ impl<'a> Problem<'a> {
     }
 
     fn at(&mut self, x: &[f64]) -> Option<Point> {
+        self.at_most(x, f64::INFINITY)
+    }
+
+    /// The point at `x`; none where its loss is more than `most`.
+    fn at_most(&mut self, x: &[f64], most: f64) -> Option<Point> {
         self.write(x);
         let mut point = Point {
             predicted: Vec::new(),
@@ -354,19 +359,25 @@ impl<'a> Problem<'a> {
                     }
                 })
                 .collect();
-            Some((predicted, residuals))
-        };
-        let all: Vec<Option<(Vec<f64>, Vec<f64>)>> = self.over(self.runs.len(), of);
-        self.is_slow |= started.elapsed() > SLOW;
-        for (k, one) in all.into_iter().enumerate() {
-            let (predicted, residuals) = one?;
-            let readings = &self.kind.logs()[self.runs[k]].readings;
             let each = readings.iter().zip(&residuals);
             let loss = each.map(|(reading, r)| huber_at(*r, self.fit.scale(reading.channel)));
-            point.loss += loss.sum::<f64>();
+            Some((loss.sum::<f64>(), predicted, residuals))
+        };
+        let mut add = |of_run: Option<(f64, Vec<f64>, Vec<f64>)>| {
+            let (loss, predicted, residuals) = of_run?;
+            point.loss += loss;
             point.predicted.push(predicted);
             point.residuals.push(residuals);
+            (point.loss <= most).then_some(())
+        };
+        if self.is_shared() {
+            parallel::map(self.runs.len(), of)
+                .into_iter()
+                .try_for_each(add)?;
+        } else {
+            (0..self.runs.len()).try_for_each(|k| add(of(k)))?;
         }
+        self.is_slow |= started.elapsed() > SLOW;
         Some(point)
     }
 
@@ -408,9 +419,14 @@ impl<'a> Problem<'a> {
         has_all.then_some(())
     }
 
-    /// `work` of each run, on all processors where they have no other and it takes long.
+    /// Whether work is shared among processors: they have no other, and it takes long.
+    fn is_shared(&self) -> bool {
+        self.is_slow && !parallel::is_shared()
+    }
+
+    /// `work` of each run, on all processors where that pays.
     fn over<R: Send>(&self, count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
-        if self.is_slow && !parallel::is_shared() {
+        if self.is_shared() {
             parallel::map(count, work)
         } else {
             (0..count).map(work).collect()
@@ -568,7 +584,7 @@ impl<'a> Problem<'a> {
                 .zip(step.iter().zip(&self.parameters))
                 .map(|(x, (s, p))| (x + s * p.scale).clamp(p.bounds.0, p.bounds.1))
                 .collect();
-            match self.at(&moved) {
+            match self.at_most(&moved, point.loss + done) {
                 Some(there) if there.loss < point.loss => {
                     let fall = point.loss - there.loss;
                     (*x, *point) = (moved, there);
@@ -576,8 +592,8 @@ impl<'a> Problem<'a> {
                     let told = 2.0 * slope.dot(&step) - step.dot(&(&damped * &step));
                     return (fall, fall / told);
                 }
-                Some(there) if there.loss - point.loss < done => return (0.0, 1.0),
-                _ => *damping *= 8.0,
+                Some(_) => return (0.0, 1.0),
+                None => *damping *= 8.0,
             }
         }
         (0.0, 0.0)
@@ -662,6 +678,31 @@ pub(crate) fn refit_near(
     let point = problem.at(&problem.read())?;
     problem.look(&point);
     Some((problem.fit, problem.slopes))
+}
+
+/// Puts the unknowns of a run at its first guesses where they leave less: unknowns that are bent to
+/// another model may be no better.
+pub(crate) fn begin_afresh(kind: &dyn Kind, fit: &mut Fit, run: usize) {
+    let first: Vec<f64> = kind.unknowns(run).iter().map(|p| p.neutral).collect();
+    let loss = |unknowns: &[f64]| -> f64 {
+        let all = residuals(kind, run, &fit.terms, unknowns);
+        let readings = &kind.logs()[run].readings;
+        all.map_or(f64::INFINITY, |all| {
+            let each = readings.iter().zip(all);
+            each.map(|(reading, r)| huber_at(r, fit.scale(reading.channel)))
+                .sum()
+        })
+    };
+    if loss(&first) < loss(&fit.unknowns[run]) {
+        fit.unknowns[run] = first;
+    }
+}
+
+/// Slopes of all runs of which none is known.
+pub(crate) fn no_slopes(kind: &dyn Kind, fit: &Fit) -> Slopes {
+    let shared = parameters_of(kind, &fit.causes).len();
+    let of = |own: &Vec<f64>| vec![None; shared + own.len()];
+    fit.unknowns.iter().map(of).collect()
 }
 
 /// The derivatives of all runs at `fit`; none where there are none.

@@ -86,26 +86,48 @@ pub(crate) fn report(
             DMatrix::from_fn(n, n, |i, j| of_readings[(i, j)] * factor(i) * factor(j))
         },
     );
-    let of = |(k, ends): (usize, &Option<Ends>)| Reported {
-        name: law.reported[k].0.clone(),
-        value: law.reported[k].1,
-        error: law.error(k, &covariance),
-        interval: ends.as_ref().map(|ends| {
-            let ends = law.widened((cause, k), ends.clone(), &wider);
-            law.interval(cause, k, &ends)
-        }),
-        runs_disagree: (0..n).any(|p| law.slopes[p][k] != 0.0 && between[p].is_some()),
+    let of = |(k, ends): (usize, &Option<Ends>)| {
+        let mut reported = Reported {
+            name: law.reported[k].0.clone(),
+            value: law.reported[k].1,
+            error: law.error(k, &covariance),
+            interval: ends.as_ref().map(|ends| {
+                let ends = law.widened((cause, k), ends.clone(), &wider);
+                law.interval(cause, k, &ends)
+            }),
+            runs_disagree: (0..n).any(|p| law.slopes[p][k] != 0.0 && between[p].is_some()),
+        };
+        let by_profile = by_profile(&reported);
+        if let Some(error) = by_profile {
+            reported.error = error;
+        }
+        (reported, by_profile.is_some())
     };
+    let is_unlimited = law.is_unlimited(cause, &ends);
+    let told: Vec<(Reported, bool)> = ends.iter().enumerate().map(of).collect();
     let undetermined = known.as_ref().and_then(|k| {
-        let is_vague = k.least < LEAST && n > 1;
+        let is_vague = k.least < LEAST && n > 1 && !told.iter().all(|told| told.1);
         is_vague.then(|| k.direction[offset..offset + n].to_vec())
     });
-    let is_unlimited = law.is_unlimited(cause, &ends);
-    candidate.reported = ends.iter().enumerate().map(of).collect();
+    candidate.reported = told.into_iter().map(|told| told.0).collect();
     NotTold {
         undetermined,
         is_unlimited,
     }
+}
+
+/// The standard error that the interval of a parameter tells, where derivatives tell far less: a direction
+/// in which the data change with the square of the parameter alone.
+fn by_profile(reported: &Reported) -> Option<f64> {
+    /// Ratio of the two.
+    const LESS: f64 = 3.0;
+    let interval = reported.interval.as_ref()?;
+    let ends = [interval.low, interval.high].into_iter().flatten();
+    let farthest = ends
+        .map(|end| (end - reported.value).abs())
+        .reduce(f64::max)?;
+    let error = farthest / NORMAL;
+    (error > 0.0 && reported.error > LESS * error).then_some(error)
 }
 
 /// Lower and upper end of a profile; each is none where nothing limits the parameter.

@@ -26,6 +26,8 @@ const GIVEN_UP: f64 = 0.3;
 const FAR: f64 = 5.0;
 /// Sets of each size that are taken further.
 const WIDTH: usize = 2;
+/// Runs that tell which causes to fit where a model is far off.
+const FEW: usize = 4;
 /// Pairs that are fitted.
 const PAIRS: usize = 4;
 /// Causes that are fitted beside each.
@@ -93,6 +95,18 @@ struct Guess {
     fit: Option<Fit>,
     /// Whether that is far from the set.
     is_far: bool,
+}
+
+impl Guess {
+    /// One of which no linear model tells anything.
+    fn far(cause: usize) -> Guess {
+        Guess {
+            cause,
+            log: f64::INFINITY,
+            fit: None,
+            is_far: true,
+        }
+    }
 }
 
 /// An experiment in short windows, near a fit.
@@ -468,7 +482,10 @@ impl<'a> Search<'a> {
         let mut found: Vec<Vec<usize>> = all.iter().map(|guess| with(guess.cause)).collect();
         let is_new = |guess: &Guess| !self.sets.contains_key(&with(guess.cause));
         let mut guesses: Vec<Guess> = all.into_iter().filter(is_new).collect();
-        if guesses.len() > 2 * count {
+        let is_scouted = self.sets[base].is_far() && self.runs.len() > FEW;
+        if is_scouted {
+            guesses = self.scouted(&from, linear.as_ref(), guesses);
+        } else if guesses.len() > 2 * count {
             guesses = self.screened(&from, linear.as_ref(), guesses, 2 * count);
         }
         let mut fitted = parallel::map(guesses.len(), |k| {
@@ -476,7 +493,7 @@ impl<'a> Search<'a> {
             (self.progress)(&format!("{}: {name}", base.len() + 1));
             self.fitted(&from, linear.as_ref(), &guesses[k])
         });
-        if count == FITTED {
+        if count == FITTED && !is_scouted {
             self.add_apart(&from, &mut guesses, &mut fitted);
             self.try_elsewhere(&from, self.sets[base].is_far(), &guesses, &mut fitted);
         }
@@ -517,6 +534,62 @@ impl<'a> Search<'a> {
         rest.truncate(count - count / 2);
         guesses.extend(rest);
         guesses
+    }
+
+    /// Where slopes do not tell what a cause can do, few runs tell it as well as many: each guess, and each
+    /// cause that small steps do not reach, is fitted to them from all its starts. Those that explain most.
+    fn scouted(&self, from: &Fit, linear: Option<&Linear>, mut guesses: Vec<Guess>) -> Vec<Guess> {
+        let kind = self.kind;
+        let all = self.runs.len();
+        let few: Vec<usize> = (0..FEW).map(|k| k * all / FEW).collect();
+        for cause in kind.common()..kind.listed() {
+            let is_in = from.causes.contains(&cause) || guesses.iter().any(|g| g.cause == cause);
+            if kind.causes()[cause].is_apart() && !is_in {
+                guesses.push(Guess::far(cause));
+            }
+        }
+        let Some(base) = fit::refit(kind, from.clone(), &few, &None, 0) else {
+            return guesses;
+        };
+        let begun = parallel::map(guesses.len(), |k| {
+            (self.progress)(&format!(
+                "{}: {}",
+                from.causes.len() + 1,
+                kind.causes()[guesses[k].cause].id
+            ));
+            let begin = guesses[k].fit.clone()?;
+            let slopes = match linear.filter(|_| !guesses[k].is_far) {
+                Some(linear) => linear.slopes(kind, from, &begin.causes),
+                None => fit::no_slopes(kind, &begin),
+            };
+            let slopes = few.iter().map(|run| slopes[*run].clone()).collect();
+            Some(fit::refit_near(kind, begin, slopes, &few, fit::ROUGH_STEPS)?.0)
+        });
+        let losses = begun.iter().flatten().map(|fit| fit.loss);
+        let least = losses.fold(base.loss, f64::min);
+        let enough = GIVEN_UP * (base.loss - least);
+        let elsewhere = parallel::map(guesses.len(), |k| {
+            fit::fit_if(kind, &base, guesses[k].cause, &few, enough)
+        });
+        let mut found = Vec::new();
+        for ((guess, begun), elsewhere) in guesses.into_iter().zip(begun).zip(elsewhere) {
+            let both = begun.into_iter().chain(elsewhere);
+            let best = both.min_by(|a, b| a.loss.total_cmp(&b.loss));
+            found.extend(best.map(|fit| (fit.loss, guess.cause, fit)));
+        }
+        let least = found.iter().map(|f| f.0).fold(base.loss, f64::min);
+        found.retain(|f| base.loss - f.0 > GIVEN_UP * (base.loss - least));
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.truncate(FITTED);
+        let of = |(_, cause, mut fit): (f64, usize, Fit)| {
+            let others = self.runs.iter().filter(|run| !few.contains(run));
+            others.for_each(|run| fit::begin_afresh(kind, &mut fit, *run));
+            Guess {
+                fit: Some(fit),
+                ..Guess::far(cause)
+            }
+        };
+        found.into_iter().map(of).collect()
     }
 
     /// Keeps a set if it is better than what is known of the same causes. Those that do nothing where they
@@ -566,12 +639,7 @@ impl<'a> Search<'a> {
         for cause in self.kind.common()..self.kind.listed() {
             let is_in = from.causes.contains(&cause) || guesses.iter().any(|g| g.cause == cause);
             if self.kind.causes()[cause].is_apart() && !is_in {
-                guesses.push(Guess {
-                    cause,
-                    log: f64::INFINITY,
-                    fit: None,
-                    is_far: true,
-                });
+                guesses.push(Guess::far(cause));
                 fitted.push(None);
             }
         }
@@ -675,13 +743,7 @@ impl<'a> Search<'a> {
         let all = kind.common()..kind.causes().len();
         let absent: Vec<usize> = all.filter(|c| !fit.causes.contains(c)).collect();
         let Some(linear) = linear else {
-            let unknown = |cause| Guess {
-                cause,
-                log: f64::INFINITY,
-                fit: None,
-                is_far: true,
-            };
-            return absent.into_iter().map(unknown).collect();
+            return absent.into_iter().map(Guess::far).collect();
         };
         let is_far = linear.left_most() > FAR;
         let is_lost = fit.scales.iter().any(|s| *s > FAR);

@@ -13,6 +13,7 @@ use super::unknown;
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::noise;
+use crate::recent::Recent;
 use crate::rig::{Course, Extra, Flight, Others, Pose, Rig, Start};
 use crate::sensor::Fault;
 use crate::spec::Problem;
@@ -31,7 +32,14 @@ pub struct Firings {
     from_axle: bool,
     /// Of strides of a run, which of them begin in the air, and their other legs.
     aloft: Option<Vec<(bool, Arc<Others>)>>,
+    /// Courses of each run, the latest last: sensors that are off look at the same one.
+    courses: Vec<Courses>,
 }
+
+/// Courses by what a robot has of the causes, and by the start.
+type Courses = Recent<[Vec<f64>; 2], Option<Arc<Course>>>;
+/// How many of them are kept.
+const KEPT: usize = 6;
 
 /// What the operator did.
 #[derive(Clone, Debug)]
@@ -130,6 +138,7 @@ impl Firings {
             logs: runs.iter().map(log).collect(),
             ..Data::default()
         };
+        let courses = runs.iter().map(|_| Courses::default()).collect();
         let runs = runs.iter().map(|run| setting(run, &requests)).collect();
         let effects = terms::causes(&mut data, experiment.kind, robot, &columns);
         let mut firings = Firings {
@@ -141,6 +150,7 @@ impl Firings {
             effects,
             from_axle: false,
             aloft: None,
+            courses,
         };
         firings.from_axle = firings.starts_at_axle();
         Ok(firings)
@@ -258,7 +268,21 @@ impl Firings {
         extra
     }
 
-    fn course(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Course> {
+    fn course(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Arc<Course>> {
+        let parts = self.effects.iter().enumerate();
+        let of_robot = parts.filter(|(_, effect)| !matches!(effect, Effect::None));
+        let of_robot = of_robot.flat_map(|(k, _)| terms.of(k).iter().copied());
+        let start = match self.aloft {
+            Some(_) => unknowns,
+            None => unknowns.get(..GYRO).unwrap_or(unknowns),
+        };
+        let question = [of_robot.collect(), start.to_vec()];
+        self.courses[run].ask(question, KEPT, |_| {
+            self.simulated(run, terms, unknowns).map(Arc::new)
+        })
+    }
+
+    fn simulated(&self, run: usize, terms: &Terms, unknowns: &[f64]) -> Option<Course> {
         let setting = &self.runs[run];
         let (robot, load) = self.at_work(run, terms);
         let end = self.data.logs[run].readings.last()?.time;
