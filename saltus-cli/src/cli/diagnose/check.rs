@@ -1,7 +1,7 @@
 //! Whether the evidence of an answer holds: the same diagnosis of the same data, compared.
 //!
 //! Processors round differently, and fits end a little elsewhere. Readings that were changed by 2e-14 of
-//! themselves moved no odds by more than 5e-4 nats (9 sets of data, 2 changes of each: benchtop
+//! themselves moved no odds by more than 5e-4 nats (10 sets of data, 2 changes of each: benchtop
 //! firings, hops, jumps, pendulum, slide, vessel, arm, ball).
 
 use std::collections::{BTreeMap, BTreeSet};

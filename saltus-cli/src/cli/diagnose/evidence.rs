@@ -51,7 +51,7 @@ pub(super) struct Data {
     pub(super) sha256: BTreeMap<String, String>,
 }
 
-/// The flags that decide an answer, as they were typed.
+/// The flags that decide an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Options {
