@@ -118,20 +118,15 @@ fn outcome(
     Ok(outcome)
 }
 
-/// Files that are not as the evidence has them.
+/// Files that are not as the evidence has them, each with its path in a sentence.
 fn files(stated: &[Data], here: &[Data]) -> Vec<String> {
-    let pairs = stated.iter().zip(here);
+    let shown = |hash: &String| format!("SHA-256 {}…", hash.chars().take(16).collect::<String>());
     let of = |(stated, here): (&Data, &Data)| {
-        let file = |name: &str| Path::new(&here.folder).join(name).display().to_string();
-        let differing = differing(&stated.sha256, &here.sha256, PartialEq::eq, |hash| {
-            format!("SHA-256 {hash}")
-        });
-        differing
-            .into_iter()
-            .map(|it| file(&it))
-            .collect::<Vec<_>>()
+        let differing = differing(&stated.sha256, &here.sha256, PartialEq::eq, shown);
+        let path = |it: String| Path::new(&here.folder).join(it).display().to_string();
+        differing.into_iter().map(path).collect::<Vec<_>>()
     };
-    pairs.flat_map(of).collect()
+    stated.iter().zip(here).flat_map(of).collect()
 }
 
 /// That the robot is not the one of the evidence, if it is another.

@@ -30,7 +30,8 @@ const WANTED: &str = "a file that `saltus diagnose --evidence` wrote is wanted";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Evidence {
-    evidence_format: u64,
+    #[serde(rename = "evidence_format")]
+    format: u64,
     pub(super) saltus_version: String,
     pub(super) data: Vec<Data>,
     pub(super) kind: String,
@@ -127,7 +128,7 @@ impl Evidence {
         let (kind, diagnosis) = (study.kind.as_ref(), &study.diagnosis);
         let sets = diagnosis.sets.iter().map(|set| Set::of(kind, set));
         Evidence {
-            evidence_format: FORMAT,
+            format: FORMAT,
             saltus_version: env!("CARGO_PKG_VERSION").into(),
             data,
             kind: folder.experiment.kind.spec().id.into(),
