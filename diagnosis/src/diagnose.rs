@@ -1,6 +1,6 @@
 //! A diagnosis from its data to its answer.
 
-use crate::finding::{Alone, Candidate, Diagnosis, Finding, Fitness, Reported};
+use crate::finding::{Alone, Candidate, Competitor, Diagnosis, Finding, Fitness, Reported};
 use crate::fit::{self, Fit};
 use crate::folds::{Fold, folds};
 use crate::gain::{self, Score};
@@ -228,6 +228,7 @@ impl<'a> Answer<'a> {
             gain.noise = channel.noise;
         }
         Diagnosis {
+            sets: self.sets(),
             findings,
             common: self.common(),
             alone,
@@ -384,6 +385,21 @@ impl<'a> Answer<'a> {
         all.into_iter().map(of).collect()
     }
 
+    /// All sets, the most probable first.
+    fn sets(&self) -> Vec<Competitor> {
+        let none = self.search.sets[&Vec::new()].best();
+        let of = |(causes, set): (&Vec<usize>, &Set)| Competitor {
+            causes: causes.clone(),
+            terms: set.fit.terms.clone(),
+            log_odds: set.listed - none,
+            log_odds_unlisted: set.free - none,
+            is_answer: *causes == self.causes,
+        };
+        let mut all: Vec<Competitor> = self.search.sets.iter().map(of).collect();
+        all.sort_by(|a, b| b.best().total_cmp(&a.best()));
+        all
+    }
+
     fn scores(&self, model: &Fit) -> Option<Vec<Score>> {
         let model = Fit {
             scales: vec![1.0; self.view.channels().len()],
@@ -428,5 +444,28 @@ impl<'a> Answer<'a> {
         };
         let all = 0..scatter.len();
         all.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toy::{Toy, noise, sum, wave};
+
+    /// Odds of sets are beside the model as it is, and one of the sets is the answer.
+    #[test]
+    fn the_sets_are_what_the_answer_was_chosen_from() {
+        let data = sum(&[(20.0, &wave(1)), (1.0, &noise(1))]);
+        let toy = Toy::new(&data, (0..4).map(wave).collect());
+        let found = diagnose(&toy, &Settings::default(), &|_| ()).expect("an answer");
+        let none = found.sets.iter().find(|set| set.causes.is_empty());
+        assert_eq!(none.map(Competitor::best), Some(0.0));
+        assert!(found.sets.is_sorted_by(|a, b| a.best() >= b.best()));
+        let answers: Vec<_> = found.sets.iter().filter(|set| set.is_answer).collect();
+        let [answer] = answers[..] else {
+            panic!("{answers:?}")
+        };
+        assert_eq!(answer.causes, [1]);
+        assert_eq!(answer.best(), found.findings[0].best.log_odds);
     }
 }

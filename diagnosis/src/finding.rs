@@ -2,7 +2,7 @@
 
 use crate::fit::Fit;
 use crate::gain::Gain;
-use crate::kind::Kind;
+use crate::kind::{Kind, Terms};
 use crate::known::{self, Deviation};
 use crate::named::meaning_of;
 use crate::next::NextExperiment;
@@ -137,6 +137,28 @@ pub struct Alone {
     pub rms: Vec<f64>,
 }
 
+/// A set of causes that was fitted, with how probable the data are with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Competitor {
+    /// Indices of its causes in the kind.
+    pub causes: Vec<usize>,
+    /// Parameters of all causes where the data are most probable.
+    pub terms: Terms,
+    /// Logarithm (natural) of the odds for it, beside the model as it is, where only its causes are at work.
+    pub log_odds: f64,
+    /// The same where something that is not on the list is at work, too.
+    pub log_odds_unlisted: f64,
+    /// Whether it is the answer.
+    pub is_answer: bool,
+}
+
+impl Competitor {
+    /// The greater of the two.
+    pub fn best(&self) -> f64 {
+        self.log_odds.max(self.log_odds_unlisted)
+    }
+}
+
 /// What the data say.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
@@ -161,4 +183,6 @@ pub struct Diagnosis {
     pub fitness: (Fitness, Fitness),
     /// Held-out gain of each channel.
     pub gains: Vec<Gain>,
+    /// All sets of causes that were fitted, the most probable first.
+    pub sets: Vec<Competitor>,
 }

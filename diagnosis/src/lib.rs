@@ -48,7 +48,7 @@ mod view;
 pub use diagnose::diagnose;
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
-pub use finding::{Alone, Candidate, Diagnosis, Finding, Fitness, Reported, Unknown};
+pub use finding::{Alone, Candidate, Competitor, Diagnosis, Finding, Fitness, Reported, Unknown};
 pub use fit::Fit;
 pub use gain::Gain;
 pub use kind::{Asked, Cause, Channel, Data, Form, Kind, Log, Parameter, Proposal, Reading, Terms};

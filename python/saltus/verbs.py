@@ -321,6 +321,8 @@ def diagnose(
     set: Overrides = (),
     extend: PathLike | None = None,
     report: PathLike | None = None,
+    evidence: PathLike | None = None,
+    check: PathLike | None = None,
     model_error: float | None = None,
     known: Mapping[str, Any] | Sequence[str] = (),
     most: int | None = None,
@@ -335,7 +337,7 @@ def diagnose(
     polars), or several frames; then `experiment` has the keys of experiment.toml, as in
     `{"kind": "bench", "robot": "rats-planar", "runs": [{"load_mass_kg": 2.2, …}]}`. `known` has
     values with standard deviations, as in `{"gravity": (9.81, 0.02)}`. `answer.yes` is true if
-    nothing is wrong; `answer.causes` names what is."""
+    nothing is wrong; `answer.causes` names what is. With `check` it is true if that file of evidence holds."""
     arguments = {name: value for name, value in locals().items() if name not in ("data", "experiment")}
     with folders_of(data, experiment) as folders:
         return ask("diagnose", folders, arguments)

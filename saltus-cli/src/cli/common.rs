@@ -43,6 +43,14 @@ impl RobotFlags {
         self.robot.as_deref()
     }
 
+    /// That robot, `name` where none is named, with these overrides.
+    pub(crate) fn or(self, name: Option<String>, overrides: Vec<String>) -> RobotFlags {
+        RobotFlags {
+            robot: self.robot.or(name),
+            overrides,
+        }
+    }
+
     /// How it is changed.
     pub(crate) fn overrides(&self) -> &[String] {
         &self.overrides

@@ -6,7 +6,7 @@ use crate::common::Folder;
 use serde_json::Value;
 
 /// A ball that was dropped.
-fn ball(name: &str) -> String {
+pub(crate) fn ball(name: &str) -> String {
     let drops = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/ball-drops");
     drops.join(name).display().to_string()
 }

@@ -13,6 +13,7 @@ mod common;
 mod courses;
 mod diagnose;
 mod documents;
+mod evidence;
 mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;

@@ -56,6 +56,7 @@ const READ: &[&str] = &[
     "--resume",
     "--replan",
     "--law",
+    "--check",
 ];
 
 /// Time in which a refusal has to come on a machine with other work: it takes milliseconds.

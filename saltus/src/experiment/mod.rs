@@ -15,6 +15,7 @@
 
 mod channel;
 mod clock;
+mod digest;
 mod error;
 mod header;
 mod idle;
@@ -37,6 +38,7 @@ mod write;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub use digest::digests;
 pub use error::Error;
 pub use join::read_all;
 pub use plan::{Plan, PlanError};

@@ -1,6 +1,8 @@
 //! `saltus diagnose`: what measured data say is wrong with the simulation.
 
 mod blocks;
+mod check;
+mod evidence;
 mod known;
 mod page;
 mod replan;
@@ -17,13 +19,14 @@ use saltus::experiment::{self, Folder};
 use saltus::on_plant::OnPlant;
 use saltus::study::{self, Study, Worth};
 
+use self::evidence::{Data, Evidence};
 use self::replan::{Course, Replan};
 use self::report::Report;
 use super::Status;
 use super::common::{OutputFlags, PlantFlags, RobotFlags, Seed, page_file, read_folders};
 use crate::error::CliError;
 use crate::input;
-use crate::output::{Files, Format, reachable};
+use crate::output::{Files, Format, json, reachable};
 use crate::progress::Progress;
 
 /// Compare measured data with the simulation: name the wrong cause, its size, and what its
@@ -59,6 +62,15 @@ pub(crate) struct Diagnose {
     #[arg(long, value_name = "FILE.toml", help_heading = "Robot and output")]
     extend: Option<PathBuf>,
 
+    /// Write the evidence of the answer as JSON: hashes of the data, options, and every set of causes
+    /// that competed, with its odds
+    #[arg(long, value_name = "FILE", help_heading = "Robot and output")]
+    evidence: Option<PathBuf>,
+
+    /// Compute the evidence in this file again, from the same data with its options, and compare
+    #[arg(long, value_name = "FILE", help_heading = "Robot and output", conflicts_with_all = DECIDED)]
+    check: Option<PathBuf>,
+
     /// Write a page with charts to hand on, in one file
     #[arg(long, value_name = "FILE.html", value_parser = page_file, help_heading = "Robot and output")]
     report: Option<PathBuf>,
@@ -66,6 +78,23 @@ pub(crate) struct Diagnose {
     #[command(flatten)]
     output: OutputFlags,
 }
+
+/// Flags that mean nothing beside `--check`: its file has what decides an answer, and no report is made.
+const DECIDED: [&str; 10] = [
+    "model_error",
+    "known",
+    "most",
+    "seed",
+    "overrides",
+    "replan",
+    "plant",
+    "extend",
+    "report",
+    "evidence",
+];
+
+/// Most effects that `--most` takes.
+const MOST: u8 = 6;
 
 /// What a diagnosis goes by beside its data.
 #[derive(Args, Debug)]
@@ -82,7 +111,7 @@ pub(super) struct Claims {
     known: Vec<Known>,
 
     /// Most effects that are looked for at the same time [default: 3; of the kind tank-leg 6]
-    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=6))]
+    #[arg(long, value_name = "COUNT", allow_negative_numbers = true, value_parser = clap::value_parser!(u8).range(1..=i64::from(MOST)))]
     most: Option<u8>,
 
     #[command(flatten)]
@@ -113,6 +142,8 @@ Examples:
   saltus diagnose logs/monday --extend monday.toml --replan box.toml --report monday.html
   saltus diagnose hopper/static hopper/dynamic-1 --format json
   saltus diagnose drops/tennis-ball --known gravity=9.81±0.02 --known y_m.gain=1±0.003
+  saltus diagnose logs/monday --evidence monday.json
+  saltus diagnose logs/monday --check monday.json
 
 Every cause on the list is an effect that the simulation leaves out, or a number that it may have wrong. \
 Sets of them are weighed by how probable the data are with each: what explains no more than chance does is not \
@@ -147,9 +178,18 @@ the corrected robot that only `saltus verify` has], \"misstated_noise\": [{\"col
 
 CSV columns, one row for each channel: channel, rms_before, rms_after, noise.
 
+--evidence writes what the answer rests on: {\"evidence_format\": 1, \"saltus_version\", \"data\": [{\"folder\", \"sha256\": {file: of its bytes}}], \
+\"kind\", \"robot\", \"robot_sha256\", \"options\": {\"robot\", \"set\", \"model_error\", \"known\", \"most\", \"seed\": no set depends on it, it draws intervals of the gain}, \
+\"answer\": {\"causes\", \"unknown\" (whether something is), \"noise\"}, \"sets\": [{\"causes\": [{\"id\", \"column\", \"parameters\"}], \
+\"log_odds\" (of the set, beside no cause), \"log_odds_unlisted\" (the same where something that is not on the list is at work, too), \"is_answer\"}: every set that was fitted, the most probable first]}.
+
+--check makes that diagnosis again, with the options in the file, and compares the bytes of the data, the robot, the answer (parameters within 0.1 standard errors), and the odds \
+of every set (within 0.05 nats and 0.1 % of what it is behind the best; sets that are less probable than the best by 1000 to 1 need not be in both). --robot beside it says where the file of that robot is now. \
+Its JSON: {\"check\", \"holds\", \"differences\": [sentences], \"sets\": null or {\"count\", \"agreeing\", \"log_odds_differ_by\" (greatest, nats)}, \"notes\"}.
+
 Runs are CSV or MCAP files (of rosbag2, too, by a mapping of topics to columns). docs/logs.md has the format of the data: columns, units, zeros and signs, keys, and an example of each kind.
 
-The exit code is 0 if nothing is wrong, 1 if something is, or if the data scatter ten times as much as their stated noise.";
+The exit code is 0 if nothing is wrong, 1 if something is, or if the data scatter ten times as much as their stated noise; with --check 0 if the evidence holds, 1 if not.";
 
 fn knowledge(text: &str) -> Result<Known, String> {
     let read = || {
@@ -195,11 +235,26 @@ struct Found<'a> {
     asked: &'a Diagnose,
 }
 
+/// The diagnosis of a folder; says how far it is.
+fn studied(folder: &Folder, robot: Option<&Robot>, settings: &Settings) -> Result<Study, CliError> {
+    let progress = Progress::new("fits", 0);
+    let study = study::study(&folder.experiment, robot, settings, &|_| {
+        progress.advance(1);
+    });
+    drop(progress);
+    study.map_err(|error| CliError::content(folder.path.display(), error))
+}
+
 impl Diagnose {
     pub(crate) fn run(self) -> Result<Status, CliError> {
         self.output.report_ready()?;
         reachable("--extend", self.extend.as_deref())?;
         reachable("--report", self.report.as_deref())?;
+        reachable("--evidence", self.evidence.as_deref())?;
+        if let Some(file) = &self.check {
+            let file = file.clone();
+            return check::run(self, &file);
+        }
         let mut folder = read_folders(&self.folders)?;
         let robot = self.robot_of(&folder)?;
         for (flag, path) in [("--extend", &self.extend), ("--replan", &self.replan)] {
@@ -214,12 +269,11 @@ impl Diagnose {
         let course = self.replan.as_deref().zip(robot.as_ref());
         let course = course.map(|(file, robot)| self.course(file, robot));
         let course = course.transpose()?;
-        let progress = Progress::new("fits", 0);
-        let study = study::study(&folder.experiment, robot.as_ref(), &settings, &|_| {
-            progress.advance(1);
-        });
-        drop(progress);
-        let study = study.map_err(|error| CliError::content(folder.path.display(), error))?;
+        let data = self.evidence.as_ref().map(|_| Data::of(&self.folders));
+        let data = data.transpose()?;
+        let study = studied(&folder, robot.as_ref(), &settings)?;
+        let evidence =
+            data.map(|data| Evidence::of(&self, (&folder, data), robot.as_ref(), &study));
         let extended = study.extended();
         let both = robot.as_ref().zip(extended.as_ref());
         let worth = both.and_then(|(believed, found)| study::worth(believed, found));
@@ -257,7 +311,7 @@ impl Diagnose {
             replan,
             asked: &self,
         };
-        self.tell(&found, corrected)
+        self.tell(&found, corrected, evidence.as_ref())
     }
 
     /// The course to plan anew, and the robot that jumps if a flag names one.
@@ -270,22 +324,25 @@ impl Diagnose {
         Ok(((file.display().to_string(), crossing), plant))
     }
 
-    /// Writes what was found, and the file of the corrected robot, if there is one.
+    /// Writes what was found, and the files of the corrected robot and of the evidence, if there are such.
     fn tell(
         &self,
         found: &Found<'_>,
         corrected: Option<(&'static str, &Path, String)>,
+        evidence: Option<&Evidence>,
     ) -> Result<Status, CliError> {
         let report = Report::of(found);
         let text = match self.output.format() {
             Format::Text => report.text(),
-            Format::Json => crate::output::json(&report.json()),
+            Format::Json => json(&report.json()),
             Format::Csv => report.csv(),
         };
         let page = |file| ("--report", file, page::html(&report, &self.folders));
         let page = self.report.as_deref().map(page);
         let mut files = Files::default();
-        for (flag, path, text) in corrected.into_iter().chain(page) {
+        let evidence = self.evidence.as_deref().zip(evidence);
+        let evidence = evidence.map(|(file, it)| ("--evidence", file, json(&it.json())));
+        for (flag, path, text) in corrected.into_iter().chain(page).chain(evidence) {
             files.add(flag, path, text.into_bytes());
         }
         files.report(self.output.out(), text);

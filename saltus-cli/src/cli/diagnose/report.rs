@@ -7,12 +7,12 @@ use saltus::diagnosis::{
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
-use super::Found;
 use super::blocks::{self, Block, Charts, Lead};
 use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, steps};
 use super::words::{estimate, interval, misstated};
+use super::{Found, MOST};
 use crate::output::{Column, Table, cells, columns, digits, joined, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
@@ -146,8 +146,6 @@ impl<'a> Report<'a> {
 
     /// That more causes may be at work than were looked for, if what is left is not noise.
     pub(super) fn stopped(&self) -> Option<String> {
-        /// What `--most` takes.
-        const MOST: usize = 6;
         let (diagnosis, settings) = (&self.found.diagnosis, &self.found.settings);
         let most = settings.most.unwrap_or_else(|| self.found.kind.most());
         let is_noise = diagnosis
@@ -156,7 +154,7 @@ impl<'a> Report<'a> {
             .is_noise
             .iter()
             .all(|is_noise| *is_noise);
-        (diagnosis.findings.len() >= most && most < MOST && !is_noise).then(|| {
+        (diagnosis.findings.len() >= most && most < usize::from(MOST) && !is_noise).then(|| {
             format!(
                 "The search ended at {most} {}, and what is left is not noise: --most {MOST} looks \
                  for more.",
