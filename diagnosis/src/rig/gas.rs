@@ -10,7 +10,7 @@ use super::machine::LEG;
 use super::run::{Run, Slide, State};
 
 /// Error allowed in a step of the gas behind a held leg, of its variable, which is of order 1.
-const GAS: f64 = 1e-8;
+const GAS: f64 = 1e-10;
 /// Distance from balance, relative to the gas, below which inflow and outflow count as balanced.
 const BALANCE: f64 = 1e-9;
 /// Most steps of the gas within one step of the motion: with more it counts as stuck.
