@@ -4,7 +4,7 @@ use super::hop::BOOM_COUNT;
 use super::robot;
 use crate::experiment::Sort;
 use crate::layout::TICK;
-use crate::plausible::{Check, HEIGHT, PIVOT, RATES, SUPPLY as SUPPLIED};
+use crate::plausible::{Check, HEIGHT, LENGTHS, PIVOT, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
     LEAP, LOGGED, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting, lively,
     noisy, required, without,
@@ -33,6 +33,17 @@ pub(super) const SPEC: Spec = Spec {
         SUPPLIED,
         PIVOT,
         HEIGHT,
+        Check {
+            name: "x_m",
+            sizes: |view| {
+                let rate = view.span("wheel_angle_rad")? / view.length()?;
+                Some((view.span("x_m")?, view.throw(rate)?))
+            },
+            what: "the distance that the work of the leg is good for",
+            allowed: (0.0, 3.0),
+            strict: false,
+            units: LENGTHS,
+        },
         Check {
             name: "wheel_rate_rad_s",
             sizes: |view| view.rates(),

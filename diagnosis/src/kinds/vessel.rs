@@ -12,7 +12,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
-use crate::plausible::{Check, PRESSURES};
+use crate::plausible::{Check, PRESSURES, View};
 use crate::spec::{
     ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
     optional, required, without,
@@ -637,19 +637,50 @@ pub(super) const SPEC: Spec = Spec {
     ],
     instants: &[RELEASE],
     least: 5,
-    checks: &[Check {
-        name: "pressure_pa",
-        sizes: |view| {
-            let expected = view
-                .setting("initial_pressure_pa")?
-                .max(view.setting("ambient_pressure_pa")?);
-            Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
+    checks: &[
+        Check {
+            name: "pressure_pa",
+            sizes: |view| {
+                let expected = view
+                    .setting("initial_pressure_pa")?
+                    .max(view.setting("ambient_pressure_pa")?);
+                Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
+            },
+            what: "the higher of initial and ambient pressure",
+            allowed: (0.05, 4.0),
+            strict: false,
+            units: PRESSURES,
         },
-        what: "the higher of initial and ambient pressure",
-        allowed: (0.05, 4.0),
-        strict: false,
-        units: PRESSURES,
-    }],
+        Check {
+            name: "volume_m3",
+            sizes: |view| Some((view.setting("volume_m3")?, emptied(view)?)),
+            what: "the volume whose pressure the orifice changes as fast as measured",
+            // The orifice may let through a twentieth of the ideal flow.
+            allowed: (0.05, 25.0),
+            strict: false,
+            units: &[
+                ("l", 1e-3),
+                ("cm3", 1e-6),
+                ("in3", 1.638_706_4e-5),
+                ("ft3", 0.028_316_846_592),
+                ("m3, and orifice_diameter_m in mm", 1e6),
+                ("m3, and orifice_diameter_m in cm", 1e4),
+                ("m3, and orifice_diameter_m in inch", 1_550.003_100_006_2),
+            ],
+        },
+        Check {
+            name: "wall_area_m2",
+            sizes: |view| {
+                let sphere = (36.0 * PI).cbrt() * view.setting("volume_m3")?.powf(2.0 / 3.0);
+                Some((view.setting("wall_area_m2")?, sphere))
+            },
+            what: "the area of a sphere of that volume",
+            // A vessel full of wool has a hundred times as much.
+            allowed: (0.0, 300.0),
+            strict: false,
+            units: &[("cm2", 1e-4), ("in2", 6.4516e-4), ("mm2", 1e-6)],
+        },
+    ],
     model: |data, _| {
         data.runs.iter().try_for_each(is_whole)?;
         Ok(Box::new(Vessels::new(data)))
@@ -662,6 +693,29 @@ pub(super) const SPEC: Spec = Spec {
     },
     ..PART
 };
+
+/// The volume (m³) whose pressure changes as measured, from a quarter of its change to three quarters,
+/// with the ideal flow through the orifice at the speed of sound.
+fn emptied(view: &View<'_>) -> Option<f64> {
+    let pressure = view.column("pressure_pa")?;
+    let orifice = view.setting("orifice_diameter_m")?;
+    let temperature = view.setting("initial_temperature_k")?;
+    let outside = view.setting("ambient_pressure_pa")?;
+    let (first, last) = (
+        quantile(&pressure[..3.min(pressure.len())], 0.5)?,
+        *pressure.iter().rfind(|p| p.is_finite())?,
+    );
+    let reached = |part: f64| {
+        let mut rows = view.run.time.iter().zip(pressure);
+        rows.find(|(_, p)| (*p - first) / (last - first) > part)
+    };
+    let (from, to) = (reached(0.25)?, reached(0.75)?);
+    let up = outside.max(0.5 * (from.1 + to.1));
+    let law = OrificeLaw::new(Perfect::AIR);
+    let flow = law.choked * FRAC_PI_4 * orifice * orifice * up / temperature.sqrt();
+    let gas = (to.1 - from.1).abs() / (Perfect::AIR.constant * temperature);
+    Some(flow * (to.0 - from.0) / gas).filter(|volume| *volume > 0.0)
+}
 
 /// Refuses a vessel of which only the volume or only the orifice is known.
 fn is_whole(run: &Run) -> Result<(), Problem> {
