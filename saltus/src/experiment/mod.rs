@@ -389,7 +389,7 @@ pub fn plausible(folder: &Folder, robot: Option<&Robot>) -> Result<(), Error> {
     implausible(&folder.experiment, robot).map_or(Ok(()), |found| {
         Err(Error::signal(
             one_line(&found.run),
-            found.name,
+            &found.name,
             found.symptom,
         ))
     })
