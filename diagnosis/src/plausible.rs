@@ -77,12 +77,12 @@ pub struct Check {
 /// Units in which numbers come by mistake: name, and factor to SI.
 pub(crate) type Units = &'static [(&'static str, f64)];
 
-pub(crate) const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048)];
+pub(crate) const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("inch", 0.0254), ("ft", 0.3048)];
 /// The same of what is never near 0: its name may have another unit than its numbers.
 pub(crate) const JUMPS: Units = &[
     ("mm", 1e-3),
     ("cm", 1e-2),
-    ("in", 0.0254),
+    ("inch", 0.0254),
     ("ft", 0.3048),
     ("m, and not in mm as its name says", 1e3),
     ("m, and not in cm as its name says", 1e2),

@@ -506,9 +506,10 @@ pub(super) const SPEC: Spec = Spec {
         },
         Check {
             name: "x_m",
-            sizes: |view| Some((view.span("x_m")? / view.length()?, 10.0)),
-            what: "the speed (m/s) of a good throw",
-            allowed: (0.0, 10.0),
+            sizes: |view| Some((view.span("x_m")? / view.length()?, 5.0)),
+            what: "the speed (m/s) of a throw",
+            // As far as 100 m/s.
+            allowed: (0.0, 20.0),
             strict: false,
             units: LENGTHS,
         },

@@ -661,7 +661,7 @@ pub(super) const SPEC: Spec = Spec {
             units: &[
                 ("l", 1e-3),
                 ("cm3", 1e-6),
-                ("in3", 1.638_706_4e-5),
+                ("inch3", 1.638_706_4e-5),
                 ("ft3", 0.028_316_846_592),
                 ("m3, and orifice_diameter_m in mm", 1e6),
                 ("m3, and orifice_diameter_m in cm", 1e4),
@@ -678,7 +678,7 @@ pub(super) const SPEC: Spec = Spec {
             // A vessel full of wool has a hundred times as much.
             allowed: (0.0, 300.0),
             strict: false,
-            units: &[("cm2", 1e-4), ("in2", 6.4516e-4), ("mm2", 1e-6)],
+            units: &[("cm2", 1e-4), ("inch2", 6.4516e-4), ("mm2", 1e-6)],
         },
     ],
     model: |data, _| {

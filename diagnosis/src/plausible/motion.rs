@@ -14,7 +14,7 @@ const DOUBTED: f64 = 0.5;
 pub(crate) const SLIDE: Check = Check {
     name: "position_m",
     sizes: driven,
-    what: "the way of a free mass under the measured force",
+    what: "half the way of a free mass under the measured force",
     allowed: (0.0, 3.0),
     strict: false,
     units: LENGTHS,
@@ -52,7 +52,7 @@ pub(crate) const PENDULUM: &[Check] = &[
         },
         what: "the inertia at which gravity and the torque move it as fast as measured",
         allowed: (0.0, 30.0),
-        strict: false,
+        strict: true,
         units: &[
             ("kg cm2", 1e-4),
             ("g m2", 1e-3),
@@ -142,8 +142,8 @@ pub(crate) const FORCES_AND_BORES: Units = &[
     ("N, and bore_m in mm", 1e6),
 ];
 
-/// The way (m) of a mass beyond what its first speed makes, and that of a free mass under the measured
-/// force; none where force, weight and first speed can do it.
+/// The way (m) of a mass beyond what its first speed makes, and half that of a free mass under the
+/// measured force, as friction leaves; none where force, weight and first speed can do it.
 ///
 /// Springs that hold the mass, friction and drag only take from the work of the force: no mass is
 /// faster than ∫|F| dt/m.
@@ -169,7 +169,7 @@ fn driven(view: &View<'_>) -> Option<(f64, f64)> {
         bound += step * most;
         (low, high) = (low.min(at), high.max(at));
     }
-    (way > FAR * bound).then_some((way, high - low))
+    (way > FAR * bound).then_some((way, 0.5 * (high - low)))
 }
 
 /// Half the span (rad) of an angle that goes to and fro about its middle.
@@ -259,4 +259,86 @@ fn able(view: &View<'_>, machine: &Mechanism, link: usize) -> Option<f64> {
     });
     torque += drives.chain(springs).sum::<f64>();
     (reach > DOUBTED).then_some(torque / inertia)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::experiment::{Experiment, Run, Sort};
+    use crate::kinds;
+    use crate::layout::{Draw, Layout};
+    use crate::mechanism::{Gauge, Shows};
+    use crate::plausible::implausible;
+
+    /// What is said of a mass (1 kg) under a force (N), at these places (m) for a second.
+    fn said(force: f64, place: impl Fn(f64) -> f64) -> Option<String> {
+        let time: Vec<f64> = (0..=100).map(|k| 0.01 * f64::from(k)).collect();
+        let experiment = Experiment {
+            kind: Sort::Slide,
+            columns: vec!["force_n".into(), "position_m".into()],
+            noise: vec![None; 2],
+            resolution: vec![None; 2],
+            mechanism: None,
+            runs: vec![Run {
+                name: "a.csv".into(),
+                settings: [("mass_kg".to_owned(), 1.0)].into(),
+                values: vec![
+                    vec![force; time.len()],
+                    time.iter().map(|t| place(*t)).collect(),
+                ],
+                time,
+                ..Run::default()
+            }],
+        };
+        implausible(&experiment, None).map(|found| found.symptom)
+    }
+
+    #[test]
+    fn no_mass_goes_farther_than_its_drive_can_push_it() {
+        // 2 N push 1 kg a metre in a second: 300 of them are millimetres, with some friction.
+        for size in [300.0, 1000.0] {
+            let far = said(2.0, |t| size * t * t).expect("refused");
+            assert!(far.ends_with("is it in mm?"), "{far}");
+        }
+        assert_eq!(said(2.0, |t| t * t), None);
+        // It was fast at the start; it falls; a spring throws it.
+        assert_eq!(said(0.001, |t| 3.0 * t - 0.5 * t * t), None);
+        assert_eq!(said(2.0, |t| 4.9 * t * t), None);
+        assert_eq!(said(0.0, |t| 0.1 * (1.0 - (30.0 * t).cos())), None);
+    }
+
+    /// An arm whose hand is seen: places reach as far as the links.
+    #[test]
+    fn no_hand_reaches_farther_than_its_arm() {
+        let layout = Layout::new(Sort::Machine, false, Some(1), &mut Draw::new(3));
+        let said = |unit: f64| {
+            let mut own = layout.experiment.clone();
+            let machine = own.mechanism.as_mut().expect("a machine");
+            machine.gauges.push(Gauge {
+                column: "hand_m".into(),
+                shows: Shows::Place {
+                    link: 1,
+                    at: [0.0, -0.2],
+                    axis: 0,
+                },
+            });
+            own.columns.push("hand_m".into());
+            own.noise.push(None);
+            own.resolution.push(None);
+            let run = &mut own.runs[0];
+            run.values.push(
+                run.time
+                    .iter()
+                    .map(|t| 0.3 * unit * (5.0 * t).sin())
+                    .collect(),
+            );
+            kinds::build(&own, None).expect("a model");
+            implausible(&own, None).map(|found| (found.name, found.symptom))
+        };
+        assert_eq!(said(1.0), None);
+        let (name, symptom) = said(1000.0).expect("refused");
+        assert!(
+            name == "hand_m" && symptom.ends_with("is it in mm?"),
+            "{name} {symptom}"
+        );
+    }
 }
