@@ -51,6 +51,16 @@ pub enum Problem {
         /// The key that it lacks.
         missing: &'static str,
     },
+    /// The gas of a vessel is not said in one way.
+    #[error(
+        "{run}: {what}: a vessel's gas is air, or one that gas names, or one with molar_mass_kg_mol and heat_ratio"
+    )]
+    Gas {
+        /// The run.
+        run: String,
+        /// The keys that do not go together.
+        what: String,
+    },
     /// What `[rig]` says is no machine of this kind, or its columns are not those of the machine.
     #[error("{what}")]
     NoMachine {
@@ -201,6 +211,8 @@ pub struct Spec {
 pub struct Synthesis {
     /// Columns with their instruments.
     pub instruments: &'static [Instrument],
+    /// The same of a robot without a boom, where they are others.
+    pub without_boom: Option<&'static [Instrument]>,
     /// Runs that are usual (of outcomes: rows).
     pub runs: usize,
     /// Lays out so many runs.
@@ -354,6 +366,8 @@ pub enum Form {
     /// A list of numbers: among the settings of a run, the k-th one has the key with `.k` after it,
     /// counted from 1.
     List,
+    /// One of the words that the setting has.
+    Word,
     /// A list of names: the key with a dot and the name is the place of that one, counted from 1.
     Names,
 }
@@ -362,7 +376,7 @@ impl Setting {
     /// Whether the key of a run's setting is of this one.
     pub fn stands_under(&self, key: &str) -> bool {
         match self.form {
-            Form::One => key == self.key,
+            Form::One | Form::Word => key == self.key,
             Form::List | Form::Names => key
                 .strip_prefix(self.key)
                 .is_some_and(|rest| rest.starts_with('.')),
@@ -583,6 +597,7 @@ pub(crate) const LOGGED: Spec = Spec {
     model: |_, _| Err(Problem::NoRobot),
     synthesis: Synthesis {
         instruments: &[],
+        without_boom: None,
         runs: 12,
         lay_out: |_, _, _| {},
         source: Source::Model,

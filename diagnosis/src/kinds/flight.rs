@@ -542,6 +542,7 @@ pub(super) const SPEC: Spec = Spec {
     },
     synthesis: Synthesis {
         instruments: &[noisy("x_m", 5e-3), noisy("y_m", 5e-3)],
+        without_boom: None,
         runs: 6,
         lay_out: |layout, runs, draw| (0..runs).for_each(|_| throw(layout, draw)),
         source: Source::Model,

@@ -1,6 +1,6 @@
 //! From just after touch-down of the jumping leg, through the flight.
 
-use super::hop::BOOM_COUNT;
+use super::hop::{BOOM_COUNT, TRACKED};
 use super::robot;
 use crate::experiment::Sort;
 use crate::layout::TICK;
@@ -61,6 +61,12 @@ pub(super) const SPEC: Spec = Spec {
             counting("radius_angle_rad", BOOM_COUNT),
             noisy("wheel_rate_rad_s", 0.03),
         ],
+        without_boom: Some(&[
+            counting("wheel_angle_rad", WHEEL_COUNT),
+            noisy("wheel_rate_rad_s", 0.03),
+            noisy("x_m", TRACKED),
+            noisy("y_m", TRACKED),
+        ]),
         runs: 12,
         // The simulation says how long they are.
         lay_out: |layout, runs, _| {

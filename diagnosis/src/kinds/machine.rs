@@ -62,6 +62,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("elbow_rad", 5e-4),
             noisy("shoulder_nm", 0.0),
         ],
+        without_boom: None,
         runs: 4,
         lay_out,
         source: Source::Model,

@@ -69,6 +69,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("distance_m", 3e-3),
             noisy("apex_m", 2e-3),
         ],
+        without_boom: None,
         runs: 50,
         // One run, and so many rows of it.
         lay_out: |layout, rows, _| layout.add(&[], rows, 1.0, Vec::new()),

@@ -64,6 +64,7 @@ pub(super) const SPEC: Spec = Spec {
     model: |data, robot| Ok(Box::new(Pendulums::new(data, robot)?)),
     synthesis: Synthesis {
         instruments: &[noisy("angle_rad", 5e-4), noisy("torque_nm", 0.0)],
+        without_boom: None,
         runs: 4,
         lay_out,
         source: Source::Model,

@@ -122,6 +122,7 @@ pub(super) const SPEC: Spec = Spec {
             counting("radius_angle_rad", std::f64::consts::TAU / 1600.0),
             noisy("wheel_rate_rad_s", 0.1),
         ],
+        without_boom: None,
         runs: 1,
         // The simulation says how long they are.
         lay_out: |layout, runs, _| {

@@ -223,6 +223,7 @@ pub(super) const SPEC: Spec = Spec {
     model: |data, _| Ok(Box::new(Slides::new(data))),
     synthesis: Synthesis {
         instruments: &[noisy("force_n", 1e-3), noisy("position_m", 2e-4)],
+        without_boom: None,
         runs: 6,
         lay_out,
         source: Source::Model,

@@ -238,6 +238,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("pressure_gauge_pa", 50.0),
             noisy("force_n", 0.06),
         ],
+        without_boom: None,
         runs: 5,
         lay_out,
         source: Source::Model,

@@ -57,6 +57,7 @@ pub(super) const SPEC: Spec = Spec {
             counting("hip_angle_rad", 7.669_904e-4),
             noisy("torque_nm", 0.0),
         ],
+        without_boom: None,
         runs: 12,
         lay_out,
         source: Source::Model,

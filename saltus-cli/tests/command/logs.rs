@@ -68,7 +68,7 @@ fn robots_with_a_tank_that_are_none_are_refused() {
     folder.done("inject --kind tank-leg --runs 2 --out data", 0);
     let manifest = folder.read("data/experiment.toml");
     let wrong = [
-        ("tube_diameter_m = ", "0.0", "must be a length > 0"),
+        ("tube_diameter_m = ", "0.0", "must be a diameter > 0"),
         ("tank_volume_m3 = ", "nan", "must be a volume > 0"),
         (
             "supply_pressure_gauge_pa = ",
@@ -525,7 +525,12 @@ fn slips_of_unit_elsewhere_are_named() {
     check("flight", "y_m", 1e3, "is it in mm?");
     check("flight", "y_m", 1.0 / 0.3048, "is it in ft?");
     check("flight", "y_m", -1.0, "sign turned");
-    check("stroke", "force_n", 1e-3, "is it in kN, or in N, and bore_m in inch?");
+    check(
+        "stroke",
+        "force_n",
+        1e-3,
+        "is it in kN, or in N, and bore_m in inch?",
+    );
     check("stroke", "force_n", 1.0 / 4.448, "is it in lbf, or in");
     check("stroke", "force_n", -1.0, "sign turned");
     check("vessel", "pressure_pa", 0.01, "absolute pressure ≥ 1000 Pa");
