@@ -80,7 +80,10 @@ impl Layout {
             _ => synthesis.instruments,
         };
         let cylinder = robot.and_then(|robot| robot.leg.cylinder());
-        let (supply, bore) = cylinder.map_or((SUPPLY, BORE), |own| (own.supply.0, own.bore));
+        let supply = cylinder.map_or(SUPPLY, |own| own.supply.0);
+        // Loads are laid out for cylinders; a muscle has no bore, and lifts them too.
+        let of_cylinder = cylinder.filter(|own| own.muscle.is_none());
+        let strength = of_cylinder.map_or(1.0, |own| supply / SUPPLY * (own.bore / BORE).powi(2));
         let known = |size: f64| (size > 0.0).then_some(size);
         let mut layout = Layout {
             experiment: Experiment {
@@ -94,7 +97,7 @@ impl Layout {
             unknowns: Vec::new(),
             on_boom,
             supply,
-            strength: supply / SUPPLY * (bore / BORE).powi(2),
+            strength: round(strength),
         };
         let count = runs.unwrap_or(synthesis.runs).max(1);
         (synthesis.lay_out)(&mut layout, count, draw);
@@ -161,7 +164,8 @@ impl Layout {
 
 /// A pressure (Pa) from `low` to `high` twelfths of a robot's supply (Pa), as it stands in a file.
 pub fn supply(supply: f64, low: f64, high: f64, draw: &mut Draw) -> f64 {
-    round(draw.stepped(low, high, 1.0) * (supply / 12.0))
+    let twelfth = (supply / (12.0 * PSI) * 1e6).round() / 1e6;
+    round(draw.stepped(low, high, 1.0) * twelfth * PSI)
 }
 
 /// Rows `step` apart in `length`, one at each end.

@@ -4,7 +4,7 @@ use saltus_numeric::statistics::quantile;
 
 use super::robot;
 use crate::experiment::Sort;
-use crate::layout::{Draw, Layout, TICK, round, supply};
+use crate::layout::{Draw, Layout, TICK, supply};
 use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED};
 use crate::spec::{
     CHAMBER, LOAD, LOGGED, POSITION, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
@@ -76,7 +76,7 @@ pub(super) const SPEC: Spec = Spec {
 
 /// Adds a firing on the bench.
 fn fire(layout: &mut Layout, draw: &mut Draw) {
-    let load = round(layout.strength * draw.stepped(1.2, 4.0, 1e-3));
+    let load = layout.strength * draw.stepped(1.2, 4.0, 1e-3);
     let supply = supply(layout.supply, 6.0, 12.0, draw);
     layout.add(
         &[("load_mass_kg", load), ("supply_pressure_gauge_pa", supply)],

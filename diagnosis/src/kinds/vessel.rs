@@ -660,11 +660,7 @@ const MOLAR_MASS: (Quantity, Domain) = (
 );
 /// At most 5/3, that of single atoms, as it is rounded.
 const HEAT_RATIO: (Quantity, Domain) = (
-    Quantity {
-        si: "1",
-        dimension: [0, 0, 0],
-        units: &[("", Unit::SI)],
-    },
+    NUMBER,
     Domain::above(1.0)
         .up_to(1.67)
         .called("a ratio of heat capacities"),

@@ -753,3 +753,45 @@ fn a_lost_stamp_is_refused_and_comments_are_skipped() {
         "{note}"
     );
 }
+
+/// The gas of a vessel is named or described, and one that is far from perfect is noted.
+#[test]
+fn a_vessel_has_the_gas_that_it_is_said_to_have() {
+    let folder = Folder::new("logs-gas");
+    folder.done("inject --kind vessel --runs 3 --out data", 0);
+    let manifest = folder.read("data/experiment.toml");
+    let said = |gas: &str| {
+        let text = manifest.replace("[[run]]\n", &format!("[[run]]\n{gas}\n"));
+        folder.write("data/experiment.toml", text);
+        let run = folder.run(&["diagnose", "data", "--most", "1"]);
+        (
+            run.code,
+            format!("{}{}", run.out, run.err)
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
+        )
+    };
+    assert_eq!(said("gas = \"air\"").0, Some(0));
+    assert_eq!(
+        said("molar_mass_g_mol = 28.965\nheat_ratio = 1.4").0,
+        Some(0)
+    );
+    // It is air, in truth.
+    let (code, text) = said("gas = \"carbon dioxide\"");
+    assert_eq!(code, Some(1), "{text}");
+    assert!(
+        text.contains("Found: gas-type") && text.contains("air_share"),
+        "{text}"
+    );
+    assert!(
+        text.contains("compressibility factor p V/(n R T) is 0.9"),
+        "{text}"
+    );
+    let (code, text) = said("gas = \"argon\"\nheat_ratio = 1.4");
+    assert_eq!(code, Some(2), "{text}");
+    assert!(
+        text.contains("gas and heat_ratio: a vessel's gas is"),
+        "{text}"
+    );
+}

@@ -1,6 +1,5 @@
 //! Whether the columns of a folder are those of another kind than it says.
 
-use std::cmp::Ordering;
 use std::path::Path;
 
 use saltus_diagnosis::Sort;
@@ -23,7 +22,11 @@ pub(super) fn other_kinds(manifest: &[u8], folder: &Path) -> Option<String> {
     let fits = |spec: &&Spec| Some((fit(spec, &columns)?, spec.id));
     let specs = Sort::ALL.map(Sort::spec);
     let best = specs.iter().filter_map(fits).map(|(fit, _)| fit).min()?;
-    let better = fit(given, &columns).is_none_or(|own| own.cmp(&best) == Ordering::Greater);
+    let strange = columns.iter().filter(|name| given.meaning(name).is_none());
+    let better = match fit(given, &columns) {
+        Some(own) => best < own,
+        None => best.0 <= strange.count(),
+    };
     if !better {
         return None;
     }

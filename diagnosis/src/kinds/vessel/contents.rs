@@ -189,12 +189,14 @@ pub(super) fn is_one(run: &Run) -> Result<(), Problem> {
 /// a perfect one.
 pub(super) fn note(run: &Run, pressure: f64, temperature: f64) -> Option<String> {
     let own = substance(run)?;
+    let shown = |x: f64| (10.0 * x).round() / 10.0;
     let place = format!(
-        "{}: {} at {:.4} bar and {temperature:.4} K is no perfect gas, as which it is computed: \
+        "{}: {} at {} bar and {} K is no perfect gas, as which it is computed: \
          its compressibility factor p V/(n R T) is",
         run.name,
         own.name,
-        pressure / 1e5
+        shown(pressure / 1e5),
+        shown(temperature)
     );
     match own.compressibility(pressure, temperature) {
         Some(z) if (z - 1.0).abs() < REAL => None,
