@@ -359,7 +359,7 @@ fn spoiled_manifests_are_refused() {
             missing key run: a table [[run]] for each file"),
         ("empty-runs", "experiment.toml", b"kind = 'flight'\nrun = []".to_vec(), "DATA/experiment.toml: missing key run: a table [[run]] for each file"),
         ("run-table", "experiment.toml", b"kind = 'flight'\n[run]\nfile = 'a.csv'".to_vec(), "DATA/experiment.toml:2: run = [run]: must be a list of tables, in TOML [[run]]"),
-        ("many-runs", "experiment.toml", format!("kind = 'flight'\n{}", "[[run]]\nfile = 'a.csv'\n".repeat(10_001)).into_bytes(), "DATA/experiment.toml:2: [[run]] = 10001 tables: must be at most 10000 tables"),
+        ("many-runs", "experiment.toml", format!("kind = 'flight'\n{}", "[[run]]\nfile = 'a.csv'\n".repeat(10_001)).into_bytes(), "DATA/experiment.toml:2: [[run]] = 10001 tables: must be at most 10000 tables; the columns of a.csv (time_s, valve, position_m, pressure_pa) are those of kind bench, and not of flight: is kind right?"),
         ("latin-1", "experiment.toml", b"kind = 'flight'\n# \xb5".to_vec(), "DATA/experiment.toml:2: not UTF-8 text"),
         ("huge-manifest", "experiment.toml", vec![b'#'; (8 << 20) + 1], "DATA/experiment.toml: \
             larger than 8 MiB, the most it may have"),
