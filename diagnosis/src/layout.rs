@@ -5,10 +5,15 @@ use std::collections::BTreeMap;
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 
+use saltus_robot::Robot;
+
 use crate::experiment::{Experiment, Run, Sort};
 
 /// A pound per square inch (Pa).
 pub(crate) const PSI: f64 = 6_894.757_293_168_361;
+/// Supply (Pa) and bore (m) of the thesis' robot, whose leg is that of a robot without gas.
+pub const SUPPLY: f64 = 120.0 * PSI;
+const BORE: f64 = 0.019_05;
 /// Time (s) between rows of a firing.
 pub const TICK: f64 = 1e-3;
 
@@ -47,14 +52,38 @@ pub struct Layout {
     pub unknowns: Vec<Vec<f64>>,
     /// Whether a flight is at the end of a boom.
     pub(crate) on_boom: bool,
+    /// Gauge pressure (Pa) of the robot's supply.
+    pub(crate) supply: f64,
+    /// Greatest force of its leg, in terms of that of the leg for which loads are laid out.
+    pub(crate) strength: f64,
 }
 
 impl Layout {
     /// So many runs of a kind, or as many as is usual; flights at the end of a boom where
     /// `on_boom`.
     pub fn new(kind: Sort, on_boom: bool, runs: Option<usize>, draw: &mut Draw) -> Layout {
+        Layout::of((kind, None), on_boom, runs, draw)
+    }
+
+    /// The same with a robot, where the kind is of one: with instruments that it can carry, at
+    /// pressures up to that of its supply.
+    pub fn of(
+        (kind, robot): (Sort, Option<&Robot>),
+        on_boom: bool,
+        runs: Option<usize>,
+        draw: &mut Draw,
+    ) -> Layout {
         let synthesis = &kind.spec().synthesis;
-        let instruments = synthesis.instruments;
+        let is_free = robot.is_some_and(|robot| robot.boom.is_none());
+        let instruments = match synthesis.without_boom {
+            Some(own) if is_free => own,
+            _ => synthesis.instruments,
+        };
+        let cylinder = robot.and_then(|robot| robot.leg.cylinder());
+        let supply = cylinder.map_or(SUPPLY, |own| own.supply.0);
+        // Loads are laid out for cylinders; a muscle has no bore, and lifts them too.
+        let of_cylinder = cylinder.filter(|own| own.muscle.is_none());
+        let strength = of_cylinder.map_or(1.0, |own| supply / SUPPLY * (own.bore / BORE).powi(2));
         let known = |size: f64| (size > 0.0).then_some(size);
         let mut layout = Layout {
             experiment: Experiment {
@@ -67,6 +96,8 @@ impl Layout {
             },
             unknowns: Vec::new(),
             on_boom,
+            supply,
+            strength: round(strength),
         };
         let count = runs.unwrap_or(synthesis.runs).max(1);
         (synthesis.lay_out)(&mut layout, count, draw);
@@ -131,9 +162,10 @@ impl Layout {
     }
 }
 
-/// A supply (Pa) from `low` to `high` (psi) in tens, as it stands in a file.
-pub fn supply(low: f64, high: f64, draw: &mut Draw) -> f64 {
-    round(draw.stepped(low, high, 10.0) * PSI)
+/// A pressure (Pa) from `low` to `high` twelfths of a robot's supply (Pa), as it stands in a file.
+pub fn supply(supply: f64, low: f64, high: f64, draw: &mut Draw) -> f64 {
+    let twelfth = (supply / (12.0 * PSI) * 1e6).round() / 1e6;
+    round(draw.stepped(low, high, 1.0) * twelfth * PSI)
 }
 
 /// Rows `step` apart in `length`, one at each end.

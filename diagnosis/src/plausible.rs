@@ -4,10 +4,14 @@
 //! from it is refused, with the unit that explains it. What real effects do is well within what is
 //! allowed: they change sizes by parts, units by tens.
 
+mod motion;
+
 use saltus_numeric::statistics::{dot, quantile};
 use saltus_robot::{Cylinder, Drive, Robot};
 
 use crate::experiment::{Experiment, Run};
+use crate::mechanism::Mechanism;
+pub(crate) use motion::{FORCES_AND_BORES, LINKS, PENDULUM, PLACES, SLIDE};
 
 /// A column or a setting of a run whose size cannot be meant.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +19,7 @@ pub struct Implausible {
     /// The run's file.
     pub run: String,
     /// The column or the setting.
-    pub name: &'static str,
+    pub name: String,
     /// What its size is and what is expected, with the unit that would explain it.
     pub symptom: String,
 }
@@ -23,21 +27,35 @@ pub struct Implausible {
 /// The first column or setting of an experiment whose size is far from what `robot`, believed to be
 /// the one that was measured, and the runs allow.
 pub fn implausible(experiment: &Experiment, robot: Option<&Robot>) -> Option<Implausible> {
+    let spec = experiment.kind.spec();
+    // A check of a family is of each of its columns.
+    let is_own = |check: &Check, name: &str| match check.name.contains('*') {
+        true => spec.family(name) == Some(check.name),
+        false => name == check.name,
+    };
     let of = |check: &Check| {
-        experiment.runs.iter().find_map(|run| {
-            let view = View {
-                columns: &experiment.columns,
-                run,
-                robot,
-            };
-            Some(Implausible {
-                symptom: check.symptom(&view)?,
-                run: run.name.clone(),
-                name: check.name,
+        let columns = experiment.columns.iter().map(String::as_str);
+        let columns = columns.filter(|name| is_own(check, name));
+        let setting = (!check.name.contains('*')).then_some(check.name);
+        let mut names = columns.map(Some).chain([setting]).flatten();
+        names.find_map(|name| {
+            experiment.runs.iter().find_map(|run| {
+                let view = View {
+                    columns: &experiment.columns,
+                    name,
+                    run,
+                    robot,
+                    mechanism: experiment.mechanism.as_ref(),
+                };
+                Some(Implausible {
+                    symptom: check.symptom(&view)?,
+                    run: run.name.clone(),
+                    name: name.to_owned(),
+                })
             })
         })
     };
-    experiment.kind.spec().checks.iter().find_map(of)
+    spec.checks.iter().find_map(of)
 }
 
 /// A column or setting with a size that follows from robot and run.
@@ -59,12 +77,12 @@ pub struct Check {
 /// Units in which numbers come by mistake: name, and factor to SI.
 pub(crate) type Units = &'static [(&'static str, f64)];
 
-pub(crate) const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048)];
+pub(crate) const LENGTHS: Units = &[("mm", 1e-3), ("cm", 1e-2), ("inch", 0.0254), ("ft", 0.3048)];
 /// The same of what is never near 0: its name may have another unit than its numbers.
 pub(crate) const JUMPS: Units = &[
     ("mm", 1e-3),
     ("cm", 1e-2),
-    ("in", 0.0254),
+    ("inch", 0.0254),
     ("ft", 0.3048),
     ("m, and not in mm as its name says", 1e3),
     ("m, and not in cm as its name says", 1e2),
@@ -77,7 +95,6 @@ pub(crate) const PRESSURES: Units = &[
 ];
 pub(crate) const RATES: Units = &[("deg/s", DEGREE), ("rpm", 6.0 * DEGREE)];
 pub(crate) const ANGLES: Units = &[("deg", DEGREE)];
-pub(crate) const FORCES: Units = &[("lbf", 4.448_221_615_260_5), ("kgf", 9.806_65), ("kN", 1e3)];
 pub(crate) const MASSES: Units = &[("g", 1e-3)];
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
@@ -144,19 +161,17 @@ impl Check {
             ));
         }
         let far = |factor: f64| (ratio.abs() * factor).ln().abs();
-        let unit = self
-            .units
-            .iter()
-            .filter(|(_, factor)| far(*factor) < NEAR.ln());
-        let unit = unit.min_by(|a, b| far(a.1).total_cmp(&far(b.1)));
-        match unit {
-            Some((unit, _)) => Some(format!(
-                "is {size:.4} in SI, where {what} is {expected:.4}: is it in {unit}?"
+        let units = self.units.iter();
+        let mut near: Vec<_> = units.filter(|unit| far(unit.1) < NEAR.ln()).collect();
+        near.sort_by(|a, b| far(a.1).total_cmp(&far(b.1)));
+        let near: Vec<&str> = near.into_iter().map(|unit| unit.0).collect();
+        match near.join(", or in ") {
+            none if none.is_empty() => self
+                .strict
+                .then(|| format!("is {size:.4}, {ratio:.1} times {what}, {expected:.4}")),
+            units => Some(format!(
+                "is {size:.4} in SI, where {what} is {expected:.4}: is it in {units}?"
             )),
-            None if self.strict => Some(format!(
-                "is {size:.4}, {ratio:.1} times {what}, {expected:.4}"
-            )),
-            None => None,
         }
     }
 }
@@ -164,8 +179,11 @@ impl Check {
 /// A run as the checks see it.
 pub struct View<'a> {
     columns: &'a [String],
-    run: &'a Run,
+    /// The column or setting that is looked at.
+    pub(crate) name: &'a str,
+    pub(crate) run: &'a Run,
     pub(crate) robot: Option<&'a Robot>,
+    pub(crate) mechanism: Option<&'a Mechanism>,
 }
 
 impl View<'_> {
@@ -203,6 +221,26 @@ impl View<'_> {
         let robot = self.robot?;
         let highest = quantile(self.column("pivot_angle_rad")?, 0.95)?;
         Some((highest, (robot.body.radius / robot.boom?.length).min(1.0)))
+    }
+
+    /// From the least to the greatest value of a column but for a twentieth of its rows at each end.
+    pub(crate) fn span(&self, name: &str) -> Option<f64> {
+        let values = self.column(name)?;
+        Some(quantile(values, 0.95)? - quantile(values, 0.05)?)
+    }
+
+    /// Time (s) from the first to the last row.
+    pub(crate) fn length(&self) -> Option<f64> {
+        Some(self.run.time.last()? - self.run.time.first()?).filter(|length| *length > 0.0)
+    }
+
+    /// Distance (m) of a throw at 45° with the energy of the leg and of a wheel that rolls at `rate`
+    /// (rad/s); the wheel's way over its leg comes on top.
+    pub(crate) fn throw(&self, rate: f64) -> Option<f64> {
+        let (rise, robot) = (self.rise()?, self.robot?);
+        let (radius, gravity) = (robot.body.radius, robot.environment.gravity);
+        let speed_squared = (rate.abs().min(20.0) * radius).powi(2) + 2.0 * gravity * rise;
+        Some(speed_squared / gravity + 2.0 * radius)
     }
 
     /// Gauge pressure (Pa) of the supply, as the operator set it or as the robot has it.

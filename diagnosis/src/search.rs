@@ -680,12 +680,8 @@ impl<'a> Search<'a> {
         again.truncate(MOST);
         let others = parallel::map(again.len(), |k| {
             let cause = guesses[again[k]].cause;
-            let is_apart = self.kind.causes()[cause].is_apart();
-            let enough = if is_apart {
-                GIVEN_UP * (from.loss - least)
-            } else {
-                0.0
-            };
+            let own = fitted[again[k]].as_ref().map_or(least, |set| set.fit.loss);
+            let enough = GIVEN_UP * (from.loss - own);
             self.settled(fit::fit_if(self.kind, from, cause, &self.runs, enough)?)
         });
         for (k, other) in again.into_iter().zip(others) {
@@ -997,7 +993,7 @@ impl Search<'_> {
         /// is estimated from differences of readings.
         const MORE: (f64, f64) = (1.5, 3.0);
         /// Sets of several causes that are weighed anew.
-        const KEPT: usize = 20;
+        const KEPT: usize = 150;
         let best = self.best();
         let Some(set) = self.sets.get(&best) else {
             return false;

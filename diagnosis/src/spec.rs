@@ -51,6 +51,16 @@ pub enum Problem {
         /// The key that it lacks.
         missing: &'static str,
     },
+    /// The gas of a vessel is not said in one way.
+    #[error(
+        "{run}: {what}: a vessel's gas is air, or one that gas names, or one with molar_mass_kg_mol and heat_ratio"
+    )]
+    Gas {
+        /// The run.
+        run: String,
+        /// The keys that do not go together.
+        what: String,
+    },
     /// What `[rig]` says is no machine of this kind, or its columns are not those of the machine.
     #[error("{what}")]
     NoMachine {
@@ -201,6 +211,8 @@ pub struct Spec {
 pub struct Synthesis {
     /// Columns with their instruments.
     pub instruments: &'static [Instrument],
+    /// The same of a robot without a boom, where they are others.
+    pub without_boom: Option<&'static [Instrument]>,
     /// Runs that are usual (of outcomes: rows).
     pub runs: usize,
     /// Lays out so many runs.
@@ -354,6 +366,8 @@ pub enum Form {
     /// A list of numbers: among the settings of a run, the k-th one has the key with `.k` after it,
     /// counted from 1.
     List,
+    /// One of the words that the setting has.
+    Word,
     /// A list of names: the key with a dot and the name is the place of that one, counted from 1.
     Names,
 }
@@ -362,7 +376,7 @@ impl Setting {
     /// Whether the key of a run's setting is of this one.
     pub fn stands_under(&self, key: &str) -> bool {
         match self.form {
-            Form::One => key == self.key,
+            Form::One | Form::Word => key == self.key,
             Form::List | Form::Names => key
                 .strip_prefix(self.key)
                 .is_some_and(|rest| rest.starts_with('.')),
@@ -474,9 +488,14 @@ pub(crate) const fn names(key: &'static str) -> Setting {
     }
 }
 
-pub(crate) const POSITION: (Quantity, Domain) = (LENGTH, Domain::within(10.0).called("a position"));
-pub(crate) const PLACE: (Quantity, Domain) = (LENGTH, Domain::within(1e4).called("a place"));
-pub(crate) const LEAP: (Quantity, Domain) = (LENGTH, Domain::within(100.0).called("a length"));
+/// A length of this name within a domain that its values leave where they come in a smaller unit.
+pub(crate) const fn length(domain: Domain, name: &'static str) -> (Quantity, Domain) {
+    (LENGTH, domain.called(name).because(", not mm, cm or inch"))
+}
+
+pub(crate) const POSITION: (Quantity, Domain) = length(Domain::within(10.0), "a position");
+pub(crate) const PLACE: (Quantity, Domain) = length(Domain::within(1e4), "a place");
+pub(crate) const LEAP: (Quantity, Domain) = length(Domain::within(100.0), "a length");
 const fn angle(most: f64) -> (Quantity, Domain) {
     let domain = Domain::within(most).called("an angle");
     (ANGLE, domain.because(", not degrees"))
@@ -494,7 +513,7 @@ pub(crate) const TILT: (Quantity, Domain) = angle(FRAC_PI_2);
 pub(crate) const TURN: (Quantity, Domain) = angle(4.0 * PI);
 /// Of a wheel and a boom that go round and round.
 pub(crate) const TURN_ON: (Quantity, Domain) = angle(1e5);
-pub(crate) const LEAP_ON: (Quantity, Domain) = (LENGTH, Domain::within(1e5).called("a length"));
+pub(crate) const LEAP_ON: (Quantity, Domain) = length(Domain::within(1e5), "a length");
 pub(crate) const INCLINE: (Quantity, Domain) = angle(1.0);
 /// Of a valve: 0 or 1.
 pub(crate) const OUTPUT: (Quantity, Domain) =
@@ -510,15 +529,25 @@ pub(crate) const OPENING: (Quantity, Domain) =
     (TIME, Domain::POSITIVE.up_to(10.0).called("a time"));
 pub(crate) const FORCE: (Quantity, Domain) = (NEWTON, Domain::within(1e6).called("a force"));
 pub(crate) const LOAD: (Quantity, Domain) = (MASS, Domain::POSITIVE.up_to(1e3).called("a mass"));
-pub(crate) const DIAMETER: (Quantity, Domain) =
-    (LENGTH, Domain::POSITIVE.up_to(10.0).called("a diameter"));
-pub(crate) const BORE: (Quantity, Domain) =
-    (LENGTH, Domain::POSITIVE.up_to(1.0).called("a diameter"));
-pub(crate) const RADIUS: (Quantity, Domain) =
-    (LENGTH, Domain::POSITIVE.up_to(100.0).called("a length"));
-pub(crate) const VOLUME: (Quantity, Domain) =
-    (CUBE, Domain::POSITIVE.up_to(1e4).called("a volume"));
-pub(crate) const AREA: (Quantity, Domain) = (SQUARE, Domain::POSITIVE.up_to(1e4).called("an area"));
+pub(crate) const DIAMETER: (Quantity, Domain) = length(Domain::POSITIVE.up_to(10.0), "a diameter");
+pub(crate) const BORE: (Quantity, Domain) = length(Domain::POSITIVE.up_to(1.0), "a diameter");
+pub(crate) const RADIUS: (Quantity, Domain) = length(Domain::POSITIVE.up_to(100.0), "a length");
+/// Of a link or a leg of a machine that one can carry.
+pub(crate) const LINK: (Quantity, Domain) = length(Domain::POSITIVE.up_to(10.0), "a length");
+pub(crate) const VOLUME: (Quantity, Domain) = (
+    CUBE,
+    Domain::POSITIVE
+        .up_to(1e4)
+        .called("a volume")
+        .because(", not l, cm3 or mm3"),
+);
+pub(crate) const AREA: (Quantity, Domain) = (
+    SQUARE,
+    Domain::POSITIVE
+        .up_to(1e4)
+        .called("an area")
+        .because(", not cm2 or mm2"),
+);
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
 pub(crate) const TEMPERATURE: (Quantity, Domain) = (
     KELVIN,
@@ -568,6 +597,7 @@ pub(crate) const LOGGED: Spec = Spec {
     model: |_, _| Err(Problem::NoRobot),
     synthesis: Synthesis {
         instruments: &[],
+        without_boom: None,
         runs: 12,
         lay_out: |_, _, _| {},
         source: Source::Model,
@@ -655,6 +685,13 @@ impl Spec {
             .collect()
     }
 
+    /// The name, with a star, of the family that the column `name` is of.
+    pub(crate) fn family(&self, name: &str) -> Option<&'static str> {
+        let mut families = self.channels.iter().filter(|own| own.is_family());
+        let family = families.find(|own| own.member(name).is_some())?;
+        Some(family.name)
+    }
+
     /// Whether a channel may be missing in so many of its rows.
     pub fn may_lack(&self, missing: usize, rows: usize) -> bool {
         if self.any_of {
@@ -702,7 +739,8 @@ mod tests {
                 assert!(is_known(instrument.column), "{}", instrument.column);
             }
             for check in spec.checks {
-                assert!(is_known(check.name), "{}", check.name);
+                let is_family = spec.channels.iter().any(|own| own.name == check.name);
+                assert!(is_family || is_known(check.name), "{}", check.name);
             }
         }
     }

@@ -32,14 +32,14 @@ pub struct Firing {
     pub opening: f64,
 }
 
-/// What the sensors of a robot on a boom would read, a row a tick: lean, pivot angle and radius
-/// angle (rad), and what a gyro on the wheel says (rad/s).
+/// What the sensors of a robot would read, a row a tick: lean, pivot angle and radius angle (rad; without
+/// a boom 0), what a gyro on the wheel says (rad/s), and how far and how high the axle is (m).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flown {
     /// When the foot left the ground (s).
     pub lift_off: f64,
-    /// Rows of lean, pivot angle, radius angle, gyro.
-    pub rows: Vec<[f64; 4]>,
+    /// Rows of lean, pivot angle, radius angle, gyro, travel and height.
+    pub rows: Vec<[f64; 6]>,
 }
 
 /// A motion of a rig from standing on a foot; in the air without touching anything.
@@ -169,11 +169,14 @@ impl<'a> Shot<'a> {
         }
     }
 
-    fn readings(&self) -> [f64; 4] {
+    fn readings(&self) -> [f64; 6] {
         let (q, v) = (self.sim.coordinates(), self.sim.velocities());
-        let (turn, pivot) = (q[0], q[1]);
-        let gyro = v[self.rig.lean_velocity()] + v[0] * pivot.sin();
-        [self.lean(), pivot, turn, gyro]
+        let rate = v[self.rig.lean_velocity()];
+        let [x, y] = self.rig.axle(q);
+        match self.rig.boom {
+            Some(_) => [self.lean(), q[1], q[0], rate + v[0] * q[1].sin(), x, y],
+            None => [self.lean(), 0.0, 0.0, rate, x, y],
+        }
     }
 }
 
@@ -184,6 +187,8 @@ impl Rig {
         let mut shot = Shot::new(self, [firing.lean, firing.rate], settings).ok()?;
         let mut rows = vec![shot.readings()];
         let mut is_fired = false;
+        // A spring may pull the leg back in before it lands.
+        let mut reached = 0.0_f64;
         while shot.time() < LONGEST {
             let until = rows.len() as f64 * TICK;
             if !is_fired && until > firing.on + 0.5 * TICK {
@@ -193,6 +198,7 @@ impl Rig {
             shot.go(until, &[]).ok()?;
             let q = shot.sim.coordinates();
             let (lean, extension) = (shot.lean(), q[self.extension_coordinate(0)]);
+            reached = reached.max(extension);
             if let Some(lift_off) = shot.lift_off {
                 let height = self.axle(q)[1];
                 // The foot left the ground as the axle rose; it comes back where the axle falls to
@@ -202,7 +208,7 @@ impl Rig {
                     return None;
                 }
                 if height < self.radius || (foot < 0.0 && until > lift_off + 0.03) {
-                    let is_jump = until > lift_off + LEAST_FLIGHT && extension > LEAST_EXTENSION;
+                    let is_jump = until > lift_off + LEAST_FLIGHT && reached > LEAST_EXTENSION;
                     return is_jump.then_some(Flown { lift_off, rows });
                 }
             } else if until > firing.on + LONGEST_STANCE || lean.abs() > 1.5 {

@@ -4,7 +4,7 @@ use saltus_numeric::statistics::quantile;
 
 use super::robot;
 use crate::experiment::Sort;
-use crate::layout::{Draw, Layout, PSI, TICK, round};
+use crate::layout::{Draw, Layout, TICK, supply};
 use crate::plausible::{Check, LENGTHS, MASSES, PRESSURES, SUPPLY as SUPPLIED, TURNED};
 use crate::spec::{
     CHAMBER, LOAD, LOGGED, POSITION, Rest, SUPPLY, Source, Spec, Synthesis, lively, noisy,
@@ -66,6 +66,7 @@ pub(super) const SPEC: Spec = Spec {
     model: robot::model,
     synthesis: Synthesis {
         instruments: &[noisy("position_m", 1e-4), noisy("pressure_pa", 2e3)],
+        without_boom: None,
         runs: 12,
         lay_out: |layout, runs, draw| (0..runs).for_each(|_| fire(layout, draw)),
         source: Source::Model,
@@ -75,8 +76,8 @@ pub(super) const SPEC: Spec = Spec {
 
 /// Adds a firing on the bench.
 fn fire(layout: &mut Layout, draw: &mut Draw) {
-    let load = draw.stepped(1.2, 4.0, 1e-3);
-    let supply = round(draw.stepped(60.0, 120.0, 10.0) * PSI);
+    let load = layout.strength * draw.stepped(1.2, 4.0, 1e-3);
+    let supply = supply(layout.supply, 6.0, 12.0, draw);
     layout.add(
         &[("load_mass_kg", load), ("supply_pressure_gauge_pa", supply)],
         151,

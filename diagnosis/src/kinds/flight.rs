@@ -6,7 +6,7 @@ use crate::fit::{self, Fit};
 use crate::kind::Proposal;
 use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::layout::{Draw, Layout, count};
-use crate::plausible::{Check, LENGTHS};
+use crate::plausible::{Check, JUMPS, LENGTHS};
 use crate::prior::Prior;
 use crate::spec::{
     DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
@@ -495,14 +495,46 @@ pub(super) const SPEC: Spec = Spec {
     ],
     least: 5,
     longest: 1000.0,
-    checks: &[Check {
-        name: "y_m",
-        sizes: |view| Some((view.fall("y_m")?, 9.806_65)),
-        what: "a fall (m/s²) under gravity",
-        allowed: (0.02, 2.0),
-        strict: false,
-        units: LENGTHS,
-    }],
+    checks: &[
+        Check {
+            name: "y_m",
+            sizes: |view| Some((view.fall("y_m")?, 9.806_65)),
+            what: "a fall (m/s²) under gravity",
+            allowed: (0.02, 2.0),
+            strict: false,
+            units: LENGTHS,
+        },
+        Check {
+            name: "x_m",
+            sizes: |view| Some((view.span("x_m")? / view.length()?, 5.0)),
+            what: "the speed (m/s) of a throw",
+            // As far as 100 m/s.
+            allowed: (0.0, 20.0),
+            strict: false,
+            units: LENGTHS,
+        },
+        Check {
+            name: "diameter_m",
+            sizes: |view| {
+                let volume = view.setting("mass_kg")? / 500.0;
+                let diameter = (6.0 / std::f64::consts::PI * volume).cbrt();
+                Some((view.setting("diameter_m")?, diameter))
+            },
+            what: "the diameter of a ball of this mass and half the density of water",
+            // From a ball of lead to one of paper with air in it.
+            allowed: (0.1, 20.0),
+            strict: false,
+            units: JUMPS,
+        },
+        Check {
+            name: "boom_radius_m",
+            sizes: |view| Some((view.setting("boom_radius_m")?, 2.0)),
+            what: "the length of a usual boom",
+            allowed: (0.0, 10.0),
+            strict: false,
+            units: LENGTHS,
+        },
+    ],
     phase: |_| "flight",
     model: |data, robot| {
         let gravity = robot.map_or(9.80665, |r| r.environment.gravity);
@@ -510,6 +542,7 @@ pub(super) const SPEC: Spec = Spec {
     },
     synthesis: Synthesis {
         instruments: &[noisy("x_m", 5e-3), noisy("y_m", 5e-3)],
+        without_boom: None,
         runs: 6,
         lay_out: |layout, runs, draw| (0..runs).for_each(|_| throw(layout, draw)),
         source: Source::Model,

@@ -5,11 +5,15 @@ use crate::experiment::Sort;
 use crate::layout::TICK;
 use crate::plausible::{HEIGHT, PIVOT, SUPPLY as SUPPLIED};
 use crate::spec::{
-    LEAP, LOGGED, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, required, without,
+    LEAP, LOGGED, Rest, SUPPLY, Source, Spec, Synthesis, TILT, counting, lively, noisy, required,
+    without,
 };
 
 /// Step (rad) of the encoders of the boom.
 pub(super) const BOOM_COUNT: f64 = 3.927e-3;
+
+/// Standard deviation (m) of a place that cameras see.
+pub(super) const TRACKED: f64 = 2e-3;
 
 /// The kind.
 pub(super) const SPEC: Spec = Spec {
@@ -30,6 +34,7 @@ pub(super) const SPEC: Spec = Spec {
     model: robot::model,
     synthesis: Synthesis {
         instruments: &[counting("pivot_angle_rad", BOOM_COUNT)],
+        without_boom: Some(&[noisy("y_m", TRACKED)]),
         runs: 12,
         // The simulation says how long they are.
         lay_out: |layout, runs, _| {

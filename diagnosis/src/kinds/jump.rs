@@ -1,10 +1,10 @@
 //! From just after touch-down of the jumping leg, through the flight.
 
-use super::hop::BOOM_COUNT;
+use super::hop::{BOOM_COUNT, TRACKED};
 use super::robot;
 use crate::experiment::Sort;
 use crate::layout::TICK;
-use crate::plausible::{Check, HEIGHT, PIVOT, RATES, SUPPLY as SUPPLIED};
+use crate::plausible::{Check, HEIGHT, LENGTHS, PIVOT, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
     LEAP, LOGGED, RATE, Rest, SUPPLY, Source, Spec, Synthesis, TILT, TURN, YAW, counting, lively,
     noisy, required, without,
@@ -34,6 +34,17 @@ pub(super) const SPEC: Spec = Spec {
         PIVOT,
         HEIGHT,
         Check {
+            name: "x_m",
+            sizes: |view| {
+                let rate = view.span("wheel_angle_rad")? / view.length()?;
+                Some((view.span("x_m")?, view.throw(rate)?))
+            },
+            what: "the distance that the work of the leg is good for",
+            allowed: (0.0, 3.0),
+            strict: false,
+            units: LENGTHS,
+        },
+        Check {
             name: "wheel_rate_rad_s",
             sizes: |view| view.rates(),
             what: "the slope of wheel_angle_rad before the command",
@@ -50,6 +61,12 @@ pub(super) const SPEC: Spec = Spec {
             counting("radius_angle_rad", BOOM_COUNT),
             noisy("wheel_rate_rad_s", 0.03),
         ],
+        without_boom: Some(&[
+            counting("wheel_angle_rad", WHEEL_COUNT),
+            noisy("wheel_rate_rad_s", 0.03),
+            noisy("x_m", TRACKED),
+            noisy("y_m", TRACKED),
+        ]),
         runs: 12,
         // The simulation says how long they are.
         lay_out: |layout, runs, _| {

@@ -19,6 +19,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, round};
 use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows};
+use crate::plausible;
 use crate::spec::{
     Column, Domain, FORCE, LEAP_ON, PART, Problem, Source, Spec, Synthesis, TURN_ON, calm, noisy,
     without,
@@ -53,6 +54,7 @@ pub(super) const SPEC: Spec = Spec {
     description: "A chain of links in a plane, which a file describes",
     mechanism: true,
     channels: CHANNELS,
+    checks: &[plausible::LINKS, plausible::PLACES],
     model: |data, _: Option<&Robot>| Ok(Box::new(of(data)?)),
     synthesis: Synthesis {
         instruments: &[
@@ -60,6 +62,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("elbow_rad", 5e-4),
             noisy("shoulder_nm", 0.0),
         ],
+        without_boom: None,
         runs: 4,
         lay_out,
         source: Source::Model,

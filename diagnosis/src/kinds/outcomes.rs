@@ -51,13 +51,7 @@ pub(super) const SPEC: Spec = Spec {
         Check {
             name: "distance_m",
             sizes: |view| {
-                let rate = quantile(view.column("omega_rad_s")?, 0.5)?.abs().min(20.0);
-                let (rise, robot) = (view.rise()?, view.robot?);
-                // A throw at 45° with the energy of the leg and of the rolling wheel; the wheel's way
-                // over its leg comes on top.
-                let speed_squared =
-                    (rate * robot.body.radius).powi(2) + 2.0 * robot.environment.gravity * rise;
-                let throw = speed_squared / robot.environment.gravity + 2.0 * robot.body.radius;
+                let throw = view.throw(quantile(view.column("omega_rad_s")?, 0.5)?)?;
                 Some((quantile(view.column("distance_m")?, 0.5)?, throw))
             },
             what: "the distance that the work of the leg is good for",
@@ -75,6 +69,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("distance_m", 3e-3),
             noisy("apex_m", 2e-3),
         ],
+        without_boom: None,
         runs: 50,
         // One run, and so many rows of it.
         lay_out: |layout, rows, _| layout.add(&[], rows, 1.0, Vec::new()),

@@ -6,17 +6,18 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Vector3};
 use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
-use saltus_robot::units::{INERTIA, LENGTH, NUMBER, Quantity, Unit};
+use saltus_robot::units::{INERTIA, NUMBER, Quantity, Unit};
 
 use super::input::Input;
 use super::{Causes, FREE, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
+use crate::plausible;
 use crate::sensor::Sensor;
 use crate::spec::{
-    Domain, LOAD, PART, Problem, Setting, Source, Spec, Synthesis, TURN, calm, lively, noisy,
-    optional, required, without,
+    Domain, LOAD, PART, Problem, RADIUS, Setting, Source, Spec, Synthesis, TURN, calm, lively,
+    noisy, optional, required, without,
 };
 
 /// A torque whose names end in `_nm`.
@@ -28,7 +29,6 @@ const TORQUE: (Quantity, Domain) = (
     },
     Domain::within(1e5).called("a torque"),
 );
-const CENTRE: (Quantity, Domain) = (LENGTH, Domain::POSITIVE.up_to(100.0).called("a length"));
 const ABOUT_CENTRE: (Quantity, Domain) = (
     INERTIA,
     Domain::NON_NEGATIVE.up_to(1e6).called("an inertia"),
@@ -57,12 +57,14 @@ pub(super) const SPEC: Spec = Spec {
     }],
     rig: &[
         required("mass_kg", LOAD),
-        required("centre_from_axle_m", CENTRE),
+        required("centre_from_axle_m", RADIUS),
         optional("inertia_about_centre_kg_m2", ABOUT_CENTRE),
     ],
+    checks: plausible::PENDULUM,
     model: |data, robot| Ok(Box::new(Pendulums::new(data, robot)?)),
     synthesis: Synthesis {
         instruments: &[noisy("angle_rad", 5e-4), noisy("torque_nm", 0.0)],
+        without_boom: None,
         runs: 4,
         lay_out,
         source: Source::Model,

@@ -21,13 +21,13 @@ use crate::experiment::{Experiment, Sort};
 use crate::fit::{self, DIFFERENCE, Fit, STEPS};
 use crate::kind::{Asked, Data, Kind, Parameter};
 use crate::layout::TICK;
-use crate::plausible::{ANGLES, Check, RATES, SUPPLY as SUPPLIED};
+use crate::plausible::{ANGLES, Check, LENGTHS, RATES, SUPPLY as SUPPLIED};
 use crate::spec::{
     Column, INCLINE, LEAP_ON, LOGGED, OUTPUT, Problem, RATE, Rest, SUPPLY, Source, Spec, Still,
     Synthesis, TILT, TURN_ON, counting, lively, noisy, optional, required, without,
 };
 use cut::Cut;
-use saltus_numeric::statistics::median;
+use saltus_numeric::statistics::{median, quantile};
 use saltus_robot::Robot;
 use unfit::Unfit;
 
@@ -86,6 +86,28 @@ pub(super) const SPEC: Spec = Spec {
             strict: false,
             units: ANGLES,
         },
+        Check {
+            name: "y_m",
+            sizes: |view| {
+                let highest = quantile(view.column("y_m")?, 0.95)?;
+                Some((highest, 2.0 * view.robot?.body.radius))
+            },
+            what: "the height of a hop as high as a leg is long",
+            allowed: (-1.0, 4.0),
+            strict: false,
+            units: LENGTHS,
+        },
+        Check {
+            name: "x_m",
+            sizes: |view| {
+                let rolled = view.span("wheel_angle_rad")? * view.robot?.body.radius;
+                Some((view.span("x_m")?, rolled))
+            },
+            what: "the way that the wheel rolls",
+            allowed: (0.0, 5.0),
+            strict: false,
+            units: LENGTHS,
+        },
     ],
     model: |data, robot| {
         Ok(Box::new(Strides::new(
@@ -100,6 +122,7 @@ pub(super) const SPEC: Spec = Spec {
             counting("radius_angle_rad", std::f64::consts::TAU / 1600.0),
             noisy("wheel_rate_rad_s", 0.1),
         ],
+        without_boom: None,
         runs: 1,
         // The simulation says how long they are.
         lay_out: |layout, runs, _| {

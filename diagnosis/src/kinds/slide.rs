@@ -8,6 +8,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
+use crate::plausible;
 use crate::spec::{
     FORCE, LOAD, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy, optional,
 };
@@ -218,9 +219,11 @@ pub(super) const SPEC: Spec = Spec {
     // A weight on a string pulls always the same.
     channels: &[calm("force_n", FORCE), lively("position_m", POSITION)],
     settings: &[optional("mass_kg", LOAD)],
+    checks: &[plausible::SLIDE],
     model: |data, _| Ok(Box::new(Slides::new(data))),
     synthesis: Synthesis {
         instruments: &[noisy("force_n", 1e-3), noisy("position_m", 2e-4)],
+        without_boom: None,
         runs: 6,
         lay_out,
         source: Source::Model,

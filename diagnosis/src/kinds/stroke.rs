@@ -9,7 +9,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, count};
 use crate::noise;
-use crate::plausible::{Check, FORCES};
+use crate::plausible::{Check, FORCES_AND_BORES, LENGTHS};
 use crate::spec::{
     BORE, Column, FORCE, GAUGE, PART, POSITION, Source, Spec, Synthesis, calm, lively, noisy,
     required,
@@ -207,20 +207,30 @@ pub(super) const SPEC: Spec = Spec {
         lively("force_n", FORCE),
     ],
     settings: &[required("bore_m", BORE)],
-    checks: &[Check {
-        name: "force_n",
-        sizes: |view| {
-            let area = FRAC_PI_4 * view.setting("bore_m")?.powi(2);
-            let pressure = quantile(view.column("pressure_gauge_pa")?, 0.5)?;
-            // Friction of the seal is as large as the force of a low pressure.
-            (pressure > 5e4).then_some(())?;
-            Some((quantile(view.column("force_n")?, 0.5)?, pressure * area))
+    checks: &[
+        Check {
+            name: "position_m",
+            sizes: |view| Some((view.span("position_m")?, 5.0 * view.setting("bore_m")?)),
+            what: "the stroke of a cylinder five times as long as wide",
+            allowed: (0.0, 10.0),
+            strict: false,
+            units: LENGTHS,
         },
-        what: "pressure times area",
-        allowed: (0.35, 5.0),
-        strict: false,
-        units: FORCES,
-    }],
+        Check {
+            name: "force_n",
+            sizes: |view| {
+                let area = FRAC_PI_4 * view.setting("bore_m")?.powi(2);
+                let pressure = quantile(view.column("pressure_gauge_pa")?, 0.5)?;
+                // Friction of the seal is as large as the force of a low pressure.
+                (pressure > 5e4).then_some(())?;
+                Some((quantile(view.column("force_n")?, 0.5)?, pressure * area))
+            },
+            what: "pressure times area",
+            allowed: (0.35, 5.0),
+            strict: false,
+            units: FORCES_AND_BORES,
+        },
+    ],
     model: |data, _| Ok(Box::new(Strokes::new(data))),
     synthesis: Synthesis {
         instruments: &[
@@ -228,6 +238,7 @@ pub(super) const SPEC: Spec = Spec {
             noisy("pressure_gauge_pa", 50.0),
             noisy("force_n", 0.06),
         ],
+        without_boom: None,
         runs: 5,
         lay_out,
         source: Source::Model,

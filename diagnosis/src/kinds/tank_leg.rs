@@ -11,16 +11,18 @@ mod synthesis;
 
 use std::sync::Arc;
 
+use saltus_numeric::statistics::quantile;
 use saltus_robot::Robot;
 use saltus_robot::units::{Quantity, Unit};
 
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Sort};
 use crate::kind::{Asked, Data, Kind, Log, Parameter, Reading};
+use crate::plausible::{Check, LENGTHS, View};
 use crate::recent::Recent;
 use crate::spec::{
-    Domain, GAUGE, LEAP, LOAD, OUTPUT, PART, Problem, RADIUS, SUPPLY, Setting, Spec, TEMPERATURE,
-    TURN, VOLUME, asked, calm, list, names, optional, posture, required, without,
+    Domain, GAUGE, LEAP, LINK, LOAD, OUTPUT, PART, Problem, SUPPLY, Setting, Spec, TEMPERATURE,
+    TURN, VOLUME, asked, calm, length, list, listed, names, optional, posture, required, without,
 };
 use causes::Effect;
 use flight::{Course, Told};
@@ -38,29 +40,68 @@ const ANY: Domain = Domain::FINITE;
 const SHARE: Domain = Domain::POSITIVE.up_to(1e9);
 const NOT_NEGATIVE: Domain = Domain::NON_NEGATIVE.up_to(1e9);
 
+/// Of parts of a leg that a person can lift.
+const PULLEY: (Quantity, Domain) = length(Domain::POSITIVE.up_to(0.5), "a radius");
+const TANK: (Quantity, Domain) = (
+    VOLUME.0,
+    Domain::POSITIVE
+        .up_to(0.5)
+        .called("a volume")
+        .because(", not l, cm3 or mm3"),
+);
+
+/// A height that the links reach, or how far they jump.
+const fn within_reach(name: &'static str, sizes: fn(&View<'_>) -> Option<(f64, f64)>) -> Check {
+    Check {
+        name,
+        sizes,
+        what: "half the length of all links",
+        allowed: (-10.0, 10.0),
+        strict: false,
+        units: LENGTHS,
+    }
+}
+
+/// The size of the column, and half the length (m) of all links.
+fn height(view: &View<'_>) -> Option<(f64, f64)> {
+    Some((quantile(view.column(view.name)?, 0.95)?, half_length(view)))
+}
+
+fn half_length(view: &View<'_>) -> f64 {
+    0.5 * listed(&view.run.settings, "link_length_m")
+        .iter()
+        .sum::<f64>()
+}
+
 /// What `[rig]` has.
 const RIG: &[Setting] = &[
-    required("tank_volume_m3", VOLUME),
+    required("tank_volume_m3", TANK),
     required("gas_temperature_k", TEMPERATURE),
     optional(
         "gas_constant_j_kg_k",
         (plain("J/(kg K)", &[("_j_kg_k", Unit::SI)]), SHARE),
     ),
-    required("tube_length_m", RADIUS),
-    required("tube_diameter_m", RADIUS),
+    required(
+        "tube_length_m",
+        length(Domain::POSITIVE.up_to(30.0), "a length"),
+    ),
+    required(
+        "tube_diameter_m",
+        length(Domain::POSITIVE.up_to(0.1), "a diameter"),
+    ),
     required(
         "tube_roughness_m",
-        (RADIUS.0, Domain::NON_NEGATIVE.up_to(0.1)),
+        length(Domain::NON_NEGATIVE.up_to(1e-3), "a roughness"),
     ),
     required("valve_time_constant_s", (saltus_robot::units::TIME, SHARE)),
     optional("valve_exhaust_s", (saltus_robot::units::TIME, ANY)),
     names("actuators"),
     names("link_names"),
     list("link_mass_kg", LOAD),
-    list("link_length_m", RADIUS),
-    required("link_radius_m", RADIUS),
-    required("knee_pulley_radius_m", RADIUS),
-    required("hip_pulley_radius_m", RADIUS),
+    list("link_length_m", LINK),
+    required("link_radius_m", PULLEY),
+    required("knee_pulley_radius_m", PULLEY),
+    required("hip_pulley_radius_m", PULLEY),
     required(
         "tendon_stiffness_n_m",
         (plain("N/m", &[("_n_m", Unit::SI)]), SHARE),
@@ -116,6 +157,14 @@ pub(super) const SPEC: Spec = Spec {
     any_of: true,
     settings: &[required("supply_pressure_gauge_pa", SUPPLY)],
     rig: RIG,
+    checks: &[
+        within_reach("torso_y_m", height),
+        within_reach("foot_*_y_m", height),
+        within_reach("com_y_m", height),
+        within_reach("com_x_m", |view| {
+            Some((view.span("com_x_m")?, half_length(view)))
+        }),
+    ],
     synthesis: synthesis::SYNTHESIS,
     model: |data, _: Option<&Robot>| Ok(Box::new(Flights::new(data)?)),
     ..PART

@@ -1,22 +1,26 @@
 //! A vessel filling or discharging through an orifice, or one that was shut and should hold what is in it.
 
+mod contents;
+
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use saltus_numeric::hermite;
 use saltus_numeric::statistics::quantile;
 use saltus_pneumatics::OrificeLaw;
 use saltus_robot::Gas as Perfect;
+use saltus_robot::units::{NUMBER, Quantity, Unit};
 
 use super::{Causes, FREE, amount, causes, delay, faults, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Proposal, Reading, Terms};
 use crate::kinds::Problem;
 use crate::layout::{Draw, Layout};
-use crate::plausible::{Check, PRESSURES};
+use crate::plausible::{Check, PRESSURES, View};
 use crate::spec::{
-    ABSOLUTE, AREA, BORE, PART, Source, Spec, Synthesis, TEMPERATURE, VOLUME, calm, lively, noisy,
-    optional, required, without,
+    ABSOLUTE, AREA, BORE, Domain, Form, PART, Setting, Source, Spec, Synthesis, TEMPERATURE,
+    VOLUME, calm, lively, noisy, optional, required, without,
 };
+use contents::Contents;
 
 /// What is given of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +39,8 @@ struct Vessel {
     release: Option<f64>,
     /// Area of the wall (m²); none: that of a sphere.
     wall: Option<f64>,
+    /// What is in it.
+    contents: Contents,
 }
 
 /// Vessels.
@@ -43,6 +49,8 @@ pub struct Vessels {
     data: Data,
     tanks: Vec<Vessel>,
     causes: Causes<Effect>,
+    /// The gas that may be in them in place of the stated one.
+    other: Perfect,
 }
 
 /// Standard deviations of a reading that has left the initial state.
@@ -103,6 +111,11 @@ fn are_shut(experiment: &Experiment) -> bool {
     runs.all(|run| vessel(run).orifice.is_none())
 }
 
+/// Whether all vessels hold air.
+fn are_air(experiment: &Experiment) -> bool {
+    experiment.runs.iter().all(contents::is_air)
+}
+
 /// The listed causes.
 fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Option<Effect>, Cause)> {
     let (bounds, scale) = ((-1e6, 1e6), 1e3);
@@ -114,7 +127,12 @@ fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Option<Effect>, Cause)> 
             Effect::Settling => amount("heat-transfer", "settling_time_s", 1e4, 0.1, &[1.0, 10.0]);
         }
     } else {
-        let (name, bounds) = ("carbon_dioxide_share", (0.8, 1.0));
+        let name = if are_air(experiment) {
+            "carbon_dioxide_share"
+        } else {
+            "air_share"
+        };
+        let bounds = (0.8, 1.0);
         let gas = simple("gas-type", name, 0.0, bounds, 0.05, &[0.999]);
         // Natural convection, Nu = c Ra^⅓; turbulent, c is 0.1 to 0.15.
         let heat = amount("heat-transfer", "convection", 5.0, 0.02, &[0.1]);
@@ -129,9 +147,9 @@ fn named(experiment: &Experiment, logs: &[Log]) -> Vec<(Option<Effect>, Cause)> 
 /// first would have left at the speed of sound.
 fn leaks(experiment: &Experiment, logs: &[Log]) -> Cause {
     const NAME: &str = "leak_area_per_volume_per_m";
-    let law = OrificeLaw::new(Perfect::AIR);
     let of = |(run, log): (&Run, &Log)| {
         let tank = vessel(run);
+        let gas = tank.contents.gas;
         let columns = experiment.columns.len();
         let column = |r: &&Reading| experiment.columns[r.channel % columns] == "pressure_pa";
         let mut readings = log.readings.iter().filter(column);
@@ -141,7 +159,7 @@ fn leaks(experiment: &Experiment, logs: &[Log]) -> Cause {
         let rate = far.map_or(0.0, |r| {
             (tank.pressure / r.value).ln() / (r.time - first).max(1e-9)
         });
-        let speed = law.choked * Perfect::AIR.constant * tank.temperature.sqrt();
+        let speed = OrificeLaw::new(gas).choked * gas.constant * tank.temperature.sqrt();
         let likely = (rate / speed).clamp(1e-9, 0.1);
         let file = stem(&run.name);
         Parameter {
@@ -220,10 +238,19 @@ impl Vessels {
         let named = named(experiment, &data.logs);
         let length = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
         let last = data.logs.iter().filter_map(length).fold(0.0, f64::max);
+        let note = |run: &Run| {
+            let tank = vessel(run);
+            contents::note(run, tank.pressure.max(tank.ambient), tank.temperature)
+        };
+        data.notes.extend(experiment.runs.iter().filter_map(note));
         Vessels {
             causes: Causes::of(&mut data, named, unnamed(last)),
             data,
             tanks: experiment.runs.iter().map(vessel).collect(),
+            other: match are_air(experiment) {
+                true => Perfect::CO2,
+                false => Perfect::AIR,
+            },
         }
     }
 
@@ -286,6 +313,7 @@ fn vessel(run: &Run) -> Vessel {
         ambient: of("ambient_pressure_pa").unwrap_or(101_325.0),
         release: of(RELEASE),
         wall: of("wall_area_m2"),
+        contents: contents::contents(run),
     }
 }
 
@@ -366,6 +394,7 @@ impl Kind for Vessels {
                 },
                 tanks: vec![*tank],
                 causes: self.causes.clone(),
+                other: self.other,
             };
             let what = format!(
                 "measure the temperature of the gas too, to {THERMOMETER} K, in a run like {}",
@@ -437,10 +466,10 @@ impl Vessels {
         let mut vessel = self.tanks[run];
         let share = value(Effect::Gas, 0.0);
         let mix = |a: f64, b: f64| a + share * (b - a);
-        let (air, other) = (Perfect::AIR, Perfect::CO2);
+        let (own, other) = (vessel.contents.gas, self.other);
         let (kappa, constant) = (
-            mix(air.heat_ratio, other.heat_ratio),
-            mix(air.constant, other.constant),
+            mix(own.heat_ratio, other.heat_ratio),
+            mix(own.constant, other.constant),
         );
         let (first, end) = self.span(run);
         let (widest, area, release) = if let Some(orifice) = vessel.orifice {
@@ -534,9 +563,8 @@ impl Gas {
         let drifted =
             opened * (1.0 + self.drift[0] * lost + self.drift[1] * time / self.last).max(0.0);
         let flow = sign * drifted * self.area / source.sqrt() * self.flow(up, down);
-        let heat = self.convection
-            * self.wall
-            * convection(mass / vessel.volume, vessel.temperature, temperature);
+        let heat =
+            self.convection * self.wall * convection(vessel, mass / vessel.volume, temperature);
         let heat_capacity = self.constant / (self.kappa - 1.0);
         // Inflow brings the enthalpy of outside, outflow takes that of inside.
         let brought = flow * (self.kappa * source - temperature) * heat_capacity;
@@ -583,18 +611,21 @@ impl Gas {
     }
 }
 
-/// Heat (W/m²) from a wall at `wall` (K) to air of this density (kg/m³) at `inside` (K), for Nu =
-/// Ra^⅓: no length matters.
-fn convection(density: f64, wall: f64, inside: f64) -> f64 {
-    // Air near 280 K: conductivity W/(m K), viscosity Pa s, heat capacity J/(kg K).
-    const CONDUCTIVITY: f64 = 0.0246;
-    const VISCOSITY: f64 = 1.75e-5;
-    const CAPACITY: f64 = 1006.0;
+/// Heat (W/m²) from the wall, which stays at the first temperature, to gas of this density (kg/m³) at
+/// `inside` (K), for Nu = Ra^⅓: no length matters.
+fn convection(vessel: &Vessel, density: f64, inside: f64) -> f64 {
+    let Contents {
+        conductivity,
+        viscosity,
+        capacity,
+        ..
+    } = vessel.contents;
+    let wall = vessel.temperature;
     let difference = wall - inside;
     let film = 0.5 * (wall + inside);
     let rayleigh =
-        9.81 / film * difference.abs() * density * density * CAPACITY / (VISCOSITY * CONDUCTIVITY);
-    CONDUCTIVITY * rayleigh.cbrt() * difference
+        9.81 / film * difference.abs() * density * density * capacity / (viscosity * conductivity);
+    conductivity * rayleigh.cbrt() * difference
 }
 
 /// The state at `time` between knots that are `step` apart, by cubics.
@@ -616,6 +647,25 @@ fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 
     std::array::from_fn(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
 }
 
+const MOLAR_MASS: (Quantity, Domain) = (
+    Quantity {
+        si: "kg/mol",
+        dimension: [1, 0, 0],
+        units: &[("_kg_mol", Unit::SI), ("_g_mol", Unit::Decimal(-3))],
+    },
+    Domain::POSITIVE
+        .up_to(1.0)
+        .called("a molar mass")
+        .because(", not g/mol"),
+);
+/// At most 5/3, that of single atoms, as it is rounded.
+const HEAT_RATIO: (Quantity, Domain) = (
+    NUMBER,
+    Domain::above(1.0)
+        .up_to(1.67)
+        .called("a ratio of heat capacities"),
+);
+
 /// The kind.
 pub(super) const SPEC: Spec = Spec {
     sort: Sort::Vessel,
@@ -634,34 +684,98 @@ pub(super) const SPEC: Spec = Spec {
         required("initial_temperature_k", TEMPERATURE),
         required("ambient_pressure_pa", ABSOLUTE),
         optional("wall_area_m2", AREA),
+        Setting {
+            words: contents::WORDS,
+            form: Form::Word,
+            ..optional(contents::NAME, (NUMBER, Domain::FINITE))
+        },
+        optional(contents::MOLAR_MASS, MOLAR_MASS),
+        optional(contents::HEAT_RATIO, HEAT_RATIO),
     ],
     instants: &[RELEASE],
     least: 5,
-    checks: &[Check {
-        name: "pressure_pa",
-        sizes: |view| {
-            let expected = view
-                .setting("initial_pressure_pa")?
-                .max(view.setting("ambient_pressure_pa")?);
-            Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
+    checks: &[
+        Check {
+            name: "pressure_pa",
+            sizes: |view| {
+                let expected = view
+                    .setting("initial_pressure_pa")?
+                    .max(view.setting("ambient_pressure_pa")?);
+                Some((quantile(view.column("pressure_pa")?, 0.95)?, expected))
+            },
+            what: "the higher of initial and ambient pressure",
+            allowed: (0.05, 4.0),
+            strict: false,
+            units: PRESSURES,
         },
-        what: "the higher of initial and ambient pressure",
-        allowed: (0.05, 4.0),
-        strict: false,
-        units: PRESSURES,
-    }],
+        Check {
+            name: "volume_m3",
+            sizes: |view| Some((view.setting("volume_m3")?, emptied(view)?)),
+            what: "the volume whose pressure the orifice changes as fast as measured",
+            // The orifice may let through a twentieth of the ideal flow.
+            allowed: (0.05, 25.0),
+            strict: false,
+            units: &[
+                ("l", 1e-3),
+                ("cm3", 1e-6),
+                ("inch3", 1.638_706_4e-5),
+                ("ft3", 0.028_316_846_592),
+                ("m3, and orifice_diameter_m in mm", 1e6),
+                ("m3, and orifice_diameter_m in cm", 1e4),
+                ("m3, and orifice_diameter_m in inch", 1_550.003_100_006_2),
+            ],
+        },
+        Check {
+            name: "wall_area_m2",
+            sizes: |view| {
+                let sphere = (36.0 * PI).cbrt() * view.setting("volume_m3")?.powf(2.0 / 3.0);
+                Some((view.setting("wall_area_m2")?, sphere))
+            },
+            what: "the area of a sphere of that volume",
+            // A vessel full of wool has a hundred times as much.
+            allowed: (0.0, 300.0),
+            strict: false,
+            units: &[("cm2", 1e-4), ("inch2", 6.4516e-4), ("mm2", 1e-6)],
+        },
+    ],
     model: |data, _| {
         data.runs.iter().try_for_each(is_whole)?;
+        data.runs.iter().try_for_each(contents::is_one)?;
         Ok(Box::new(Vessels::new(data)))
     },
     synthesis: Synthesis {
         instruments: &[noisy("pressure_pa", 3e3), noisy("temperature_k", 1.0)],
+        without_boom: None,
         runs: 5,
         lay_out,
         source: Source::Model,
     },
     ..PART
 };
+
+/// The volume (m³) whose pressure changes as measured, from a quarter of its change to three quarters,
+/// with the ideal flow through the orifice at the speed of sound.
+fn emptied(view: &View<'_>) -> Option<f64> {
+    let pressure = view.column("pressure_pa")?;
+    let orifice = view.setting("orifice_diameter_m")?;
+    let temperature = view.setting("initial_temperature_k")?;
+    let outside = view.setting("ambient_pressure_pa")?;
+    let (first, last) = (
+        quantile(&pressure[..3.min(pressure.len())], 0.5)?,
+        *pressure.iter().rfind(|p| p.is_finite())?,
+    );
+    let reached = |part: f64| {
+        let mut rows = view.run.time.iter().zip(pressure);
+        rows.find(|(_, p)| (*p - first) / (last - first) > part)
+    };
+    let (from, to) = (reached(0.25)?, reached(0.75)?);
+    let up = outside.max(0.5 * (from.1 + to.1));
+    let gas = contents::contents(view.run).gas;
+    let law = OrificeLaw::new(gas);
+    let flow = law.choked * FRAC_PI_4 * orifice * orifice * up / temperature.sqrt();
+    let density = (to.1 - from.1).abs() / (gas.constant * temperature);
+    Some(flow * (to.0 - from.0) / density).filter(|volume| *volume > 0.0)
+}
 
 /// Refuses a vessel of which only the volume or only the orifice is known.
 fn is_whole(run: &Run) -> Result<(), Problem> {
@@ -752,6 +866,47 @@ mod tests {
         let start = (1.0 - (initial / OUTSIDE).powf((kappa - 1.0) / kappa)).sqrt();
         let root = (start - 0.5 * fall * time).max(0.0);
         OUTSIDE * (1.0 - root * root).powf(kappa / (kappa - 1.0))
+    }
+
+    /// Choked and without heat p = p₀ (1 + (κ − 1)/2 t/τ)^(−2κ/(κ−1)), with τ the gas over its first
+    /// outflow; the temperature follows (p/p₀)^((κ−1)/κ).
+    #[test]
+    fn another_gas_blows_down_as_in_closed_form() {
+        let helium = [(contents::NAME, contents::WORDS[4].1)];
+        let heavy = [
+            (contents::MOLAR_MASS, 0.146_055),
+            (contents::HEAT_RATIO, 1.094),
+        ];
+        for (gas, constant, kappa) in [
+            (&helium[..], 2077.26, 5.0 / 3.0),
+            (&heavy[..], 56.927, 1.094),
+        ] {
+            let law = OrificeLaw::new(Perfect {
+                heat_ratio: kappa,
+                constant,
+            });
+            let (first, discharge) = (8e6, 0.8);
+            let area = discharge * FRAC_PI_4 * ORIFICE * ORIFICE;
+            let tau = VOLUME / (area * law.choked * constant * TEMPERATURE.sqrt());
+            let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * tau / 200.0).collect();
+            let pressure = |t: &f64| {
+                let fall: f64 = 1.0 + 0.5 * (kappa - 1.0) * t / tau;
+                first * fall.powf(-2.0 * kappa / (kappa - 1.0))
+            };
+            let exact: Vec<f64> = time.iter().map(pressure).collect();
+            let mut vessels = filling(first, time, exact.clone());
+            let mut run = Run::default();
+            run.settings = gas.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+            vessels.tanks[0].contents = contents::contents(&run);
+            vessels.tanks[0].ambient = 1e5;
+            let off = Terms::off(vessels.causes());
+            let found = vessels
+                .predict(0, &off, &[discharge, 0.0])
+                .expect("an answer");
+            for (p, q) in exact.iter().zip(found) {
+                assert!((p / q - 1.0).abs() < 1e-5, "{constant}: {q}, {p}");
+            }
+        }
     }
 
     /// Where the flow ends its root is steep: the steps must not round it off, or every vessel that

@@ -12,7 +12,7 @@ use crate::experiment::{Experiment, Run, Sort};
 use crate::layout::{Draw, Layout, round};
 use crate::mechanism::{Counterweight, Drive, Gauge, Inertia, Joint, Link, Mechanism, Shows, Way};
 use crate::spec::{
-    Domain, LOAD, OUTPUT, PART, Problem, RADIUS, Source, Spec, Synthesis, TILT, asked, calm,
+    Domain, LINK, LOAD, OUTPUT, PART, Problem, Source, Spec, Synthesis, TILT, asked, calm,
     counting, lively, noisy, required,
 };
 
@@ -40,9 +40,9 @@ pub(super) const SPEC: Spec = Spec {
     ],
     rig: &[
         required("leg_mass_kg", LOAD),
-        required("leg_length_m", RADIUS),
-        required("inner_centre_from_hip_m", RADIUS),
-        required("outer_centre_from_hip_m", RADIUS),
+        required("leg_length_m", LINK),
+        required("inner_centre_from_hip_m", LINK),
+        required("outer_centre_from_hip_m", LINK),
         required("inner_inertia_about_hip_kg_m2", ABOUT_HIP),
         required("outer_inertia_about_hip_kg_m2", ABOUT_HIP),
         required("hip_coulomb_nm", FRICTION),
@@ -57,6 +57,7 @@ pub(super) const SPEC: Spec = Spec {
             counting("hip_angle_rad", 7.669_904e-4),
             noisy("torque_nm", 0.0),
         ],
+        without_boom: None,
         runs: 12,
         lay_out,
         source: Source::Model,
@@ -99,14 +100,23 @@ impl Believed {
             hip: number("hip_mass_kg"),
         };
         for (leg, (center, inertia)) in rig.centers.iter().zip(rig.inertias).enumerate() {
-            let least = rig.mass * center * center;
-            if *center > rig.length || inertia <= least {
-                let name = LEGS[leg];
+            let name = LEGS[leg];
+            if *center > rig.length {
+                return Err(Problem::NoMachine {
+                    what: format!(
+                        "rig.{name}_centre_from_hip_m = {center}: must be within the leg, \
+                         leg_length_m = {}: are both in m, not mm, cm or inch?",
+                        rig.length
+                    ),
+                });
+            }
+            let [least, most] = [center, &rig.length].map(|length| rig.mass * length * length);
+            if inertia <= least || inertia > most {
                 return Err(Problem::NoMachine {
                     what: format!(
                         "rig.{name}_inertia_about_hip_kg_m2 = {inertia}: must be above mass times \
-                         {name}_centre_from_hip_m squared, {least:.3e}, and that length within \
-                         leg_length_m"
+                         {name}_centre_from_hip_m squared, {least:.3e}, and at most mass times \
+                         leg_length_m squared, {most:.3e}: are all in kg and m?"
                     ),
                 });
             }

@@ -215,10 +215,6 @@ fn what_cannot_be_hidden_is_refused() {
         ("none --out a", &["none", "CAUSE=VALUE"]),
         ("mass=1.1 mass=1.2 --out a", &["twice"]),
         ("--kind toss --out a", &["invalid value 'toss'", "vessel"]),
-        (
-            "--kind jump --robot rats-planar --out a",
-            &["rats-planar has no boom"],
-        ),
         ("--runs 0 --out a", &["--runs"]),
         (
             "valve-discharge=0.02 --kind jump --runs 1 --out a",
@@ -302,4 +298,70 @@ fn a_fit_of_other_data_is_refused() {
         }
     }
     assert_eq!(folder.names(), ["bench", "flight"]);
+}
+
+/// Injects data without an effect, of which nothing is found wrong.
+#[track_caller]
+fn is_well(folder: &Folder, kind: &str, robot: &str, runs: usize) {
+    let data = format!("{kind}-{}", robot.replace([' ', '=', '.'], "-"));
+    folder.done(
+        &format!("inject --kind {kind} --robot {robot} --runs {runs} --out {data}"),
+        0,
+    );
+    let told = folder.run(&["diagnose", &data, "--most", "1"]);
+    assert_eq!(told.code, Some(0), "{data}: {}{}", told.out, told.err);
+}
+
+/// Of robots without a boom the axle's place is measured, and the supply is the robot's own.
+#[test]
+fn robots_without_a_boom_hop_and_jump() {
+    let folder = Folder::new("inject-free");
+    is_well(
+        &folder,
+        "hop",
+        "rats-planar --set leg.supply_pressure_gauge_psi=60",
+        3,
+    );
+    is_well(&folder, "jump", "table-hopper", 2);
+    let data = folder
+        .names()
+        .into_iter()
+        .find(|name| name.starts_with("hop"))
+        .unwrap();
+    let header = folder.read(&format!("{data}/run-01.csv"));
+    assert_eq!(header.lines().next(), Some("time_s,valve,y_m"));
+    let manifest = folder.read(&format!("{data}/experiment.toml"));
+    let supplies = manifest
+        .lines()
+        .filter_map(|line| line.strip_prefix("supply_pressure_gauge_pa = "));
+    for supply in supplies {
+        let psi = supply.parse::<f64>().unwrap() / 6_894.757;
+        assert!((39.9..60.1).contains(&psi), "{psi}");
+    }
+}
+
+#[test]
+#[ignore = "nightly: 20 s"]
+fn nothing_is_wrong_with_data_of_any_robot() {
+    let folder = Folder::new("inject-any");
+    let robots = [
+        "rats-boom",
+        "rats-planar",
+        "rats-run",
+        "spring-hopper",
+        "table-hopper",
+    ];
+    let own = [
+        "rats-planar --set tank.volume_l=0.3",
+        "rats-planar --set foot.radius_mm=10",
+        "rats-boom --set ground.slope_deg=3",
+    ];
+    for robot in robots.iter().chain(&own) {
+        for (kind, runs) in [("hop", 4), ("jump", 4), ("outcomes", 20)] {
+            is_well(&folder, kind, robot, runs);
+        }
+        if !robot.contains("hopper") {
+            is_well(&folder, "bench", robot, 4);
+        }
+    }
 }

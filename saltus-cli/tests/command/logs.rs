@@ -1,5 +1,6 @@
 //! Logs as people have them: docs/logs.md, columns of their own, other units, and slips.
 
+use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -67,7 +68,7 @@ fn robots_with_a_tank_that_are_none_are_refused() {
     folder.done("inject --kind tank-leg --runs 2 --out data", 0);
     let manifest = folder.read("data/experiment.toml");
     let wrong = [
-        ("tube_diameter_m = ", "0.0", "must be a length > 0"),
+        ("tube_diameter_m = ", "0.0", "must be a diameter > 0"),
         ("tank_volume_m3 = ", "nan", "must be a volume > 0"),
         (
             "supply_pressure_gauge_pa = ",
@@ -470,8 +471,8 @@ fn slips_of_unit_on_the_bench_are_named() {
     let both = ["diagnose", "fit"];
     let mut before = 1.0;
     for (factor, unit) in [
-        (100.0, "is it in cm?"),
-        (1.0 / 0.0254, "is it in in?"),
+        (100.0, "is it in cm, or in inch?"),
+        (1.0 / 0.0254, "is it in inch, or in cm?"),
         (11.4, "times the stroke"),
         (-1.0, "sign turned"),
     ] {
@@ -524,14 +525,129 @@ fn slips_of_unit_elsewhere_are_named() {
     check("flight", "y_m", 1e3, "is it in mm?");
     check("flight", "y_m", 1.0 / 0.3048, "is it in ft?");
     check("flight", "y_m", -1.0, "sign turned");
-    check("stroke", "force_n", 1e-3, "is it in kN?");
-    check("stroke", "force_n", 1.0 / 4.448, "is it in lbf?");
+    check(
+        "stroke",
+        "force_n",
+        1e-3,
+        "is it in kN, or in N, and bore_m in inch?",
+    );
+    check("stroke", "force_n", 1.0 / 4.448, "is it in lbf, or in");
     check("stroke", "force_n", -1.0, "sign turned");
     check("vessel", "pressure_pa", 0.01, "absolute pressure ≥ 1000 Pa");
     check("outcomes", "omega_rad_s", 9.549, "is it in rpm?");
-    check("outcomes", "apex_m", 39.37, "is it in in?");
+    check("outcomes", "apex_m", 39.37, "is it in inch?");
+    check("outcomes", "distance_m", 100.0, "or in cm?");
+    check("outcomes", "distance_m", 1e3, "not mm, cm or inch");
+    check("flight", "x_m", 100.0, "is it in inch, or in cm?");
+    check("stroke", "position_m", 100.0, "or in cm?");
+    check("slide", "position_m", 1e3, "not mm, cm or inch");
+    check("tank-leg", "com_y_m", 100.0, "not mm, cm or inch");
+    check("tank-leg", "com_y_m", 39.37, "is it in inch?");
+    check("pendulum", "angle_rad", 180.0 / PI, "not degrees");
     check("jump", "wheel_rate_rad_s", 9.549, "is it in rpm?");
     check("jump", "wheel_rate_rad_s", -1.0, "sign turned");
+}
+
+/// Numbers of the machine that come in a smaller unit, where no robot tells how large they can be.
+#[test]
+fn slips_of_unit_in_settings_are_named() {
+    let check = |kind: &str, file: &str, key: &str, factor: f64, words: &str| {
+        let folder = Folder::new(&format!("logs-setting-{kind}-{key}-{factor:.0}"));
+        folder.done(&format!("inject --kind {kind} --runs 3 --out data"), 0);
+        let larger = |number: &str| {
+            let number = number.trim();
+            number
+                .parse::<f64>()
+                .map_or_else(|_| number.into(), |x| (x * factor).to_string())
+        };
+        let line = |line: &str| match line.split_once(" = ") {
+            Some((own, list)) if own == key && list.starts_with('[') => {
+                let numbers = list.trim_matches(['[', ']']).split(',');
+                format!(
+                    "{key} = [{}]\n",
+                    numbers.map(larger).collect::<Vec<_>>().join(", ")
+                )
+            }
+            Some((own, number)) if own == key => format!("{key} = {}\n", larger(number)),
+            _ => format!("{line}\n"),
+        };
+        let path = format!("data/{file}");
+        let text: String = folder.read(&path).lines().map(line).collect();
+        assert_ne!(text, folder.read(&path), "{key}");
+        folder.write(&path, text);
+        refused(&folder, &["diagnose"], &[words]);
+    };
+    let own = "experiment.toml";
+    check("stroke", own, "bore_m", 1e3, "not mm, cm or inch");
+    check(
+        "stroke",
+        own,
+        "bore_m",
+        39.37,
+        "is it in N, and bore_m in inch",
+    );
+    check("vessel", own, "volume_m3", 1e3, "is it in l?");
+    check(
+        "vessel",
+        own,
+        "orifice_diameter_m",
+        100.0,
+        "orifice_diameter_m in cm?",
+    );
+    check("vessel", own, "wall_area_m2", 1e4, "is it in cm2?");
+    check("pendulum", own, "centre_from_axle_m", 1e3, "is it in mm?");
+    check(
+        "pendulum",
+        own,
+        "centre_from_axle_m",
+        39.37,
+        "is it in inch?",
+    );
+    check(
+        "pendulum",
+        own,
+        "inertia_about_centre_kg_m2",
+        1e6,
+        "the inertia at which",
+    );
+    check("walk", own, "leg_length_m", 1e3, "not mm, cm or inch");
+    check(
+        "walk",
+        own,
+        "inner_centre_from_hip_m",
+        39.37,
+        "must be within the leg",
+    );
+    check("tank-leg", own, "link_length_m", 1e3, "not mm, cm or inch");
+    check(
+        "tank-leg",
+        own,
+        "tube_diameter_m",
+        1e3,
+        "not mm, cm or inch",
+    );
+    check(
+        "tank-leg",
+        own,
+        "knee_pulley_radius_m",
+        100.0,
+        "not mm, cm or inch",
+    );
+    check("tank-leg", own, "tank_volume_m3", 1e3, "not l, cm3");
+    check(
+        "machine",
+        "chain.toml",
+        "at_m",
+        1e3,
+        "lengths of links in mm?",
+    );
+    check(
+        "machine",
+        "chain.toml",
+        "centre_m",
+        1e3,
+        "lengths of links in mm?",
+    );
 }
 
 /// What real effects and instruments do is not taken for a slip: every kind with and without
@@ -550,6 +666,11 @@ fn right_data_are_not_refused() {
         ("flight", "air-drag=0.3"),
         ("stroke", "seal-friction=3e-5"),
         ("slide", "viscous-friction=5"),
+        ("slide", "return-spring=2000,0"),
+        ("pendulum", "coulomb-friction=0.01"),
+        ("machine", "encoder-scale=shoulder_rad:1.3"),
+        ("tank-leg", "tube=1e-4,0.5"),
+        ("walk", "counterweight=1.5,3"),
         ("vessel", "gas-type=1"),
     ];
     let judge = |path: &Path| {
@@ -568,6 +689,19 @@ fn right_data_are_not_refused() {
         );
         judge(&folder.path("data"));
     }
+    // A ball thrown 40 m far.
+    let folder = Folder::new("logs-right-throw");
+    std::fs::create_dir(folder.path("data")).unwrap();
+    let manifest =
+        "kind = \"flight\"\n[[run]]\nfile = \"a.csv\"\nmass_kg = 0.145\ndiameter_m = 0.073\n";
+    folder.write("data/experiment.toml", manifest);
+    let mut rows = String::from("time_s,x_m,y_m\n");
+    for k in 0..60 {
+        let t = 0.05 * f64::from(k);
+        let _ = writeln!(rows, "{t},{},{}", 13.8 * t, 1.5 + 14.4 * t - 4.9 * t * t);
+    }
+    folder.write("data/a.csv", rows);
+    judge(&folder.path("data"));
     let drops = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/ball-drops");
     for entry in std::fs::read_dir(drops)
         .unwrap()
@@ -617,5 +751,47 @@ fn a_lost_stamp_is_refused_and_comments_are_skipped() {
     assert!(
         note.contains("1 line left out that begins with #"),
         "{note}"
+    );
+}
+
+/// The gas of a vessel is named or described, and one that is far from perfect is noted.
+#[test]
+fn a_vessel_has_the_gas_that_it_is_said_to_have() {
+    let folder = Folder::new("logs-gas");
+    folder.done("inject --kind vessel --runs 3 --out data", 0);
+    let manifest = folder.read("data/experiment.toml");
+    let said = |gas: &str| {
+        let text = manifest.replace("[[run]]\n", &format!("[[run]]\n{gas}\n"));
+        folder.write("data/experiment.toml", text);
+        let run = folder.run(&["diagnose", "data", "--most", "1"]);
+        (
+            run.code,
+            format!("{}{}", run.out, run.err)
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
+        )
+    };
+    assert_eq!(said("gas = \"air\"").0, Some(0));
+    assert_eq!(
+        said("molar_mass_g_mol = 28.965\nheat_ratio = 1.4").0,
+        Some(0)
+    );
+    // It is air, in truth.
+    let (code, text) = said("gas = \"carbon dioxide\"");
+    assert_eq!(code, Some(1), "{text}");
+    assert!(
+        text.contains("Found: gas-type") && text.contains("air_share"),
+        "{text}"
+    );
+    assert!(
+        text.contains("compressibility factor p V/(n R T) is 0.9"),
+        "{text}"
+    );
+    let (code, text) = said("gas = \"argon\"\nheat_ratio = 1.4");
+    assert_eq!(code, Some(2), "{text}");
+    assert!(
+        text.contains("gas and heat_ratio: a vessel's gas is"),
+        "{text}"
     );
 }

@@ -206,3 +206,38 @@ fn the_answer_does_not_depend_on_the_number_of_threads() {
         folder.run(&words).out
     );
 }
+
+/// Data of each kind as if they were of the next one, and of others with columns alike.
+#[test]
+fn a_kind_that_is_none_is_named_with_the_right_one() {
+    let folder = Folder::new("misleading-kind");
+    let kinds = [
+        "bench", "hop", "jump", "flight", "outcomes", "stroke", "slide", "vessel", "pendulum",
+        "tank-leg", "walk", "machine",
+    ];
+    for kind in kinds {
+        folder.done(&format!("inject --kind {kind} --runs 2 --out {kind}"), 0);
+    }
+    let nexts = kinds.iter().zip(kinds.iter().cycle().skip(1));
+    let alike = [
+        ("jump", "hop"),
+        ("stroke", "slide"),
+        ("machine", "pendulum"),
+        ("pendulum", "machine"),
+    ];
+    let pairs = nexts.map(|(kind, next)| (*kind, *next)).chain(alike);
+    for (kind, said) in pairs {
+        let path = format!("{kind}/experiment.toml");
+        let manifest = folder.read(&path);
+        folder.write(
+            &path,
+            manifest.replace(&format!("kind = \"{kind}\""), &format!("kind = \"{said}\"")),
+        );
+        let run = folder.run(&["diagnose", kind, "--most", "1"]);
+        let all = format!("{} {}", run.err, run.out);
+        let all = all.split_whitespace().collect::<Vec<_>>().join(" ");
+        let words = format!("those of kind {kind}, and not of {said}: is kind right?");
+        assert!(all.contains(&words), "{kind} as {said}: {all}");
+        folder.write(&path, manifest);
+    }
+}

@@ -88,6 +88,14 @@ pub enum Error {
         /// What is wrong, and what is expected.
         reason: String,
     },
+    /// The same, of data that are probably of another kind than their folder says.
+    #[error("{error}; {other}")]
+    Kind {
+        /// What is not as that kind has it.
+        error: Box<Error>,
+        /// Which kinds the columns fit.
+        other: String,
+    },
     /// A file that the system does not let us read.
     #[error("{place}: cannot be read: {source}")]
     Read {

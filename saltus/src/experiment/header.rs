@@ -154,7 +154,7 @@ fn resembles(name: &str, known: &str) -> bool {
     name == known || (is_long && (other_unit || strsim::levenshtein(&name, known) <= 2))
 }
 
-fn names<'a>(line: &'a [u8], place: &str) -> Result<Vec<&'a str>, Error> {
+pub(super) fn names<'a>(line: &'a [u8], place: &str) -> Result<Vec<&'a str>, Error> {
     // A byte order mark is no part of the first name.
     let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
     match std::str::from_utf8(line) {

@@ -373,12 +373,38 @@ fn instant(s: &mut Section, key: &'static str, from: Option<Instant>) -> Option<
     })
 }
 
+/// The number of the word that stands under a setting, if it is there.
+fn named(s: &mut Section, setting: &Setting) -> Option<f64> {
+    let words: Vec<String> = setting
+        .words
+        .iter()
+        .map(|(word, _)| format!("{word:?}"))
+        .collect();
+    let allowed = format!("one of {}", words.join(", "));
+    let number = |text: &str| {
+        setting
+            .words
+            .iter()
+            .find(|(word, _)| *word == text)
+            .map(|(_, x)| *x)
+    };
+    if s.has(setting.key) {
+        s.text_as(setting.key, &allowed, number)
+    } else {
+        None
+    }
+}
+
 fn set(s: &mut Section, known: &[Setting]) -> BTreeMap<String, f64> {
     let mut settings = BTreeMap::new();
     for setting in known {
         let stem = stem(setting.key, setting.quantity);
         match setting.form {
             Form::One => {}
+            Form::Word => {
+                settings.extend(named(s, setting).map(|word| (setting.key.to_owned(), word)));
+                continue;
+            }
             Form::List => {
                 let items = (1..).zip(s.list(stem, setting.quantity, setting.domain));
                 settings.extend(items.map(|(k, x)| (format!("{}.{k}", setting.key), x)));

@@ -29,6 +29,7 @@ mod mcap;
 #[path = "without_mcap.rs"]
 mod mcap;
 mod mechanism;
+mod misfit;
 mod plan;
 mod run;
 mod thin;
@@ -126,7 +127,23 @@ impl Folder {
 /// [`Error`] where anything is not as it must be; its text names the file and the line.
 pub fn read(folder: &Path, progress: &dyn Fn(usize)) -> Result<Folder, Error> {
     let bytes = manifest::bytes(folder)?;
-    let manifest = manifest::parse(&bytes, folder)?;
+    let other = misfit::other_kinds(&bytes, folder);
+    match (as_it_says(folder, &bytes, progress), other) {
+        (Ok(mut found), Some(other)) => {
+            found.notes.push(other);
+            Ok(found)
+        }
+        (Err(error), Some(other)) => Err(Error::Kind {
+            error: Box::new(error),
+            other,
+        }),
+        (found, None) => found,
+    }
+}
+
+/// The folder as its file, of these bytes, says it is.
+fn as_it_says(folder: &Path, bytes: &[u8], progress: &dyn Fn(usize)) -> Result<Folder, Error> {
+    let manifest = manifest::parse(bytes, folder)?;
     present(folder, &manifest)?;
     let most = (MOST_ROWS_OF_ALL / manifest.runs.len()).min(manifest.spec.most_rows);
     let mut hashes = BTreeMap::new();
@@ -391,7 +408,7 @@ pub fn plausible(folder: &Folder, robot: Option<&Robot>) -> Result<(), Error> {
     implausible(&folder.experiment, robot).map_or(Ok(()), |found| {
         Err(Error::signal(
             one_line(&found.run),
-            found.name,
+            &found.name,
             found.symptom,
         ))
     })

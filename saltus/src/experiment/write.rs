@@ -217,7 +217,9 @@ fn set(text: &mut String, run: &Run, is_meant: impl Fn(&str) -> bool, spec: &Spe
         let setting = known.find(|setting| setting.stands_under(key));
         let (key, value) = match setting {
             None => (key.as_str(), format!("{value:?}")),
-            Some(one) if one.form == Form::One => (one.key, one.written(*value)),
+            Some(one) if matches!(one.form, Form::One | Form::Word) => {
+                (one.key, one.written(*value))
+            }
             Some(list) if lists.contains(&list.key) => continue,
             Some(list) => {
                 lists.push(list.key);

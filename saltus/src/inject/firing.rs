@@ -4,7 +4,7 @@
 //! is hidden shows in the motion, and not in the command.
 
 use saltus_diagnosis::kinds::{self, Problem};
-use saltus_diagnosis::layout::{Draw, Layout, TICK, round, supply};
+use saltus_diagnosis::layout::{Draw, Layout, SUPPLY, TICK, round, supply};
 use saltus_diagnosis::{Cause, Experiment, Kind, Sort, Terms};
 use saltus_robot::{Drive, GaugePressure, Robot};
 use saltus_sim_check::{Firing, Launch, Rig, Settings, Shot};
@@ -25,12 +25,6 @@ pub(super) fn fill(
     draw: &mut Draw,
 ) -> Result<(), Error> {
     let kind = layout.experiment.kind;
-    if robot.boom.is_none() && kind != Sort::Outcomes {
-        return Err(Error::NoBoom {
-            robot: robot.name.clone(),
-            kind: kind.spec().id,
-        });
-    }
     let sensors = Sensors::new(&layout.experiment, robot, terms)?;
     if kind == Sort::Outcomes {
         return outcomes(layout, robot, terms, &sensors, asked, draw);
@@ -45,6 +39,8 @@ pub(super) fn fill(
                 "pivot_angle_rad",
                 "radius_angle_rad",
                 "wheel_rate_rad_s",
+                "x_m",
+                "y_m",
             ]
             .iter()
             .position(|n| n == name)
@@ -60,7 +56,7 @@ pub(super) fn fill(
     };
     for attempt in 0..tries {
         let firing = match asked.get(attempt) {
-            _ if kind == Sort::Hop => Some(hop(draw)),
+            _ if kind == Sort::Hop => Some(hop(robot, draw)),
             Some(asked) => jump_as_asked(robot, asked),
             None => jump(robot, draw),
         };
@@ -127,7 +123,7 @@ fn outcomes(
         let asked = asked.get(attempt).map_or_else(
             || {
                 [
-                    draw.stepped(3.0, 6.0, 0.01),
+                    pace(robot) * draw.stepped(3.0, 6.0, 0.01),
                     draw.stepped(-0.25, 0.3, 1e-3),
                     draw.stepped(0.03, 0.1, TICK),
                 ]
@@ -225,9 +221,22 @@ impl Sensors {
     }
 }
 
+/// Gauge pressure (Pa) of the supply; of a leg without gas any.
+fn full(robot: &Robot) -> f64 {
+    robot.leg.cylinder().map_or(SUPPLY, |own| own.supply.0)
+}
+
+/// Rates of a robot in terms of those of the thesis' one, whose wheel is larger or smaller.
+fn pace(robot: &Robot) -> f64 {
+    let fall = |gravity: f64, radius: f64| (gravity / radius).sqrt();
+    let thesis = Robot::rats_planar();
+    fall(robot.environment.gravity, robot.body.radius)
+        / fall(thesis.environment.gravity, thesis.body.radius)
+}
+
 /// A supply (Pa, gauge), and a hop at it.
-fn hop(draw: &mut Draw) -> (f64, Firing) {
-    let supply = supply(80.0, 120.0, draw);
+fn hop(robot: &Robot, draw: &mut Draw) -> (f64, Firing) {
+    let supply = supply(full(robot), 8.0, 12.0, draw);
     let firing = Firing {
         lean: 0.0,
         rate: 0.0,
@@ -239,12 +248,13 @@ fn hop(draw: &mut Draw) -> (f64, Firing) {
 
 /// A supply (Pa, gauge), and a jump at it of the robot without effects, if what is drawn is one.
 fn jump(robot: &Robot, draw: &mut Draw) -> Option<(f64, Firing)> {
-    let (lean, rate) = (draw.between(-0.45, -0.15), draw.between(3.0, 6.0));
+    let lean = draw.between(-0.45, -0.15);
+    let rate = pace(robot) * draw.between(3.0, 6.0);
     let (angle, opening) = (
         draw.between(-0.1, 0.25),
         round(draw.stepped(0.04, 0.1, TICK)),
     );
-    let supply = supply(100.0, 120.0, draw);
+    let supply = supply(full(robot), 10.0, 12.0, draw);
     firing(robot, [lean, rate], angle, opening, supply)
 }
 

@@ -128,14 +128,6 @@ pub enum Error {
         /// The effect as it was asked for.
         effect: String,
     },
-    /// The robot has none of what the kind measures.
-    #[error("robot {robot} has no boom, whose angles data of kind {kind} are")]
-    NoBoom {
-        /// The robot.
-        robot: String,
-        /// The kind's name.
-        kind: &'static str,
-    },
     /// A robot that does not do what is measured.
     #[error(
         "with these effects the robot makes {made} of {wanted} motions: at least {least} must be \
@@ -160,7 +152,7 @@ pub enum Error {
 /// # Errors
 /// [`Error`] where kind and robot do not go together.
 pub fn known(kind: Sort, robot: Option<&Robot>) -> Result<String, Error> {
-    let mut layout = Layout::new(kind, true, Some(1), &mut Draw::new(0));
+    let mut layout = Layout::of((kind, robot), true, Some(1), &mut Draw::new(0));
     if let (Sort::Run, Some(robot)) = (kind, robot) {
         running::fill(&mut layout, robot, robot, 0)?;
     }
@@ -186,7 +178,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
     let mut draw = Draw::new(seed);
     let on_boom = effects.iter().any(|effect| effect.id == "counterweight");
     let runs = runs.or(Some(asked.len()).filter(|count| *count > 0));
-    let mut layout = Layout::new(kind, on_boom, runs, &mut draw);
+    let mut layout = Layout::of((kind, robot), on_boom, runs, &mut draw);
     if let (Sort::Run, Some(robot)) = (kind, robot) {
         // Which strides there are says a run without an effect.
         running::fill(&mut layout, robot, robot, seed)?;

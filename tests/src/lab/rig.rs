@@ -266,7 +266,7 @@ fn ticks(time: f64) -> f64 {
     (time / TICK).round() * TICK
 }
 
-fn exact((supply, firing): &Supplied, rows: &[[f64; 4]], columns: &[usize]) -> Exact {
+fn exact((supply, firing): &Supplied, rows: &[[f64; 6]], columns: &[usize]) -> Exact {
     let settings = BTreeMap::from([("supply_pressure_gauge_pa".to_owned(), *supply)]);
     Exact {
         settings,

@@ -35,6 +35,7 @@ pub(super) const SYNTHESIS: Synthesis = Synthesis {
         noisy("knee_left_pressure_gauge_pa", 1e3),
         noisy("com_y_m", 2e-3),
     ],
+    without_boom: None,
     runs: 4,
     lay_out,
     source: Source::Model,
