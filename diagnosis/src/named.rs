@@ -4,12 +4,16 @@ use saltus_robot::{Term, terms};
 
 /// Ids of the causes that are not a term of a robot file, each with what is so in the machine and
 /// not in the simulation.
-const OTHERS: [(&str, &str); 7] = [
+const OTHERS: [(&str, &str); 8] = [
     (
         "supply-pressure",
         "the supply pressure differs from the set value",
     ),
     ("gas-type", "the gas is another one"),
+    (
+        "directional-friction",
+        "dry friction differs by direction, as with a constant force on the joint",
+    ),
     ("imbalance", "the centre of mass is off the axle"),
     ("foot-slip", "the foot slips on the ground"),
     ("encoder-scale", "the sensor's scale is wrong"),

@@ -120,6 +120,14 @@ impl<E: Copy + PartialEq> Causes<E> {
     fn or(&self, effect: E, none: f64, terms: &Terms) -> f64 {
         self.get(effect, 0, terms).unwrap_or(none)
     }
+
+    /// Mean dry friction of both directions (N or N m), and how far that forward is above it: of what is
+    /// `nominal`, with a cause that changes both alike and one that changes each.
+    fn friction(&self, both: E, each: E, nominal: f64, terms: &Terms) -> [f64; 2] {
+        let [forward, back] = [0, 1].map(|p| self.get(each, p, terms).unwrap_or(nominal));
+        let mean = self.or(both, nominal, terms) + 0.5 * (forward + back) - nominal;
+        [mean.max(0.0), 0.5 * (forward - back)]
+    }
 }
 
 /// A table of causes: a row for each, of what it does and what it is.
@@ -148,6 +156,19 @@ fn simple(
 /// A cause with one parameter that is 0 where it is off, and is at most `most`.
 fn amount(id: &'static str, name: &str, most: f64, scale: f64, starts: &[f64]) -> Cause {
     simple(id, name, 0.0, (0.0, most), scale, starts)
+}
+
+/// Dry friction that differs by direction, in terms of `same`: the cause of dry friction that does not.
+fn directional(same: &Cause) -> Cause {
+    let of = |way: &str| {
+        let own = &same.parameters[0];
+        let name = own.name.replace("friction_", &format!("friction_{way}_"));
+        Parameter {
+            name,
+            ..own.clone()
+        }
+    };
+    Cause::several("directional-friction", vec![of("forward"), of("back")])
 }
 
 /// A cause that multiplies a number of the machine.

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::input::Input;
-use super::{Causes, FREE, amount, braked, causes, delay, faults, gain, offset, share, unknown};
+use super::{
+    Causes, FREE, amount, braked, causes, delay, directional, faults, gain, offset, share, unknown,
+};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter, Terms};
 use crate::layout::{Draw, Layout, count};
@@ -69,10 +71,14 @@ impl Slides {
             (Some(mass), None) => mass * self.causes.or(Effect::Mass, 1.0, terms),
             _ => return None,
         };
+        let [dry, forward] = self
+            .causes
+            .friction(Effect::Dry, Effect::Directional, 0.0, terms);
         Some(Guide {
             mass,
+            forward,
             friction: [
-                self.causes.get(Effect::Dry, 0, terms)?,
+                dry,
                 self.causes.get(Effect::Viscous, 0, terms)?,
                 self.causes.get(Effect::Drag, 0, terms)?,
             ],
@@ -87,6 +93,7 @@ impl Slides {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Effect {
     Dry,
+    Directional,
     Viscous,
     Drag,
     Spring,
@@ -99,8 +106,16 @@ fn listed(mass_is_known: bool) -> Vec<(Option<Effect>, Cause)> {
         unknown("stiffness_n_per_m", 0.0, (0.0, 1e7), 5.0),
         unknown("preload_n", 0.0, (-1e5, 1e5), 0.5),
     ];
+    let dry = amount(
+        "coulomb-friction",
+        "coulomb_friction_n",
+        1e5,
+        0.5,
+        &[1.0, 5.0],
+    );
     let mut all = causes! {
-        Effect::Dry => amount("coulomb-friction", "coulomb_friction_n", 1e5, 0.5, &[1.0, 5.0]);
+        Effect::Directional => directional(&dry);
+        Effect::Dry => dry;
         Effect::Viscous => amount("viscous-friction", viscous, 1e6, 0.5, &[1.0, 10.0]);
         Effect::Drag => amount("air-drag", "drag_n_s2_per_m2", 1e5, 0.1, &[1.0]);
         Effect::Spring => Cause::several("return-spring", spring);
@@ -124,6 +139,8 @@ struct Guide {
     mass: f64,
     /// Dry friction (N), viscous friction (N s/m) and drag (N s²/m²).
     friction: [f64; 3],
+    /// How far (N) dry friction forward is above its mean of both directions.
+    forward: f64,
     /// Stiffness (N/m) of a spring and its force (N) at the start.
     stiffness: f64,
     preload: f64,
@@ -135,7 +152,8 @@ impl Guide {
     /// One step of h (s) under a force (N): the middle of the step gives the forces.
     fn go(&self, [x, v]: [f64; 2], force: f64, h: f64) -> [f64; 2] {
         let middle = x + 0.5 * h * v;
-        let push = force - self.stiffness * (middle - self.start) - self.preload;
+        let spring = self.stiffness * (middle - self.start) + self.preload;
+        let push = force - spring - self.forward;
         let next = braked(v, push, self.friction, self.mass, h);
         [x + 0.5 * h * (v + next), next]
     }
@@ -264,6 +282,7 @@ fn lay_out(layout: &mut Layout, runs: usize, draw: &mut Draw) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Settings;
     use crate::toy;
 
     const MASS: f64 = 1.5;
@@ -326,6 +345,73 @@ mod tests {
             1e-15,
             |_| 0.1,
         );
+    }
+
+    /// Place (m) of a mass with dry friction forward and back (N), from its speed (m/s) under a constant
+    /// force (N): a parabola until it stops, and from there on another one, or rest.
+    fn parabolas([forward, back]: [f64; 2], force: f64, speed: f64, t: f64) -> f64 {
+        let against = if speed > 0.0 { -forward } else { back };
+        let first = (force + against) / MASS;
+        let stop = if first * speed < 0.0 {
+            -speed / first
+        } else {
+            f64::INFINITY
+        };
+        let second = (force - forward).max(0.0) + (force + back).min(0.0);
+        let (early, late) = (t.min(stop), (t - stop).max(0.0));
+        let until = speed * early + 0.5 * first * early * early;
+        until + 0.5 * second / MASS * late * late
+    }
+
+    /// Ids of what is found, with the values of the first, where a mass has this dry friction.
+    fn found_in_parabolas(friction: [f64; 2]) -> (Vec<&'static str>, Vec<f64>) {
+        let mut draw = Draw::new(8);
+        let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * 5e-3).collect();
+        let mut run = |(force, speed): (f64, f64)| {
+            let place = |t: &f64| parabolas(friction, force, speed, *t) + 2e-4 * draw.normal();
+            Run {
+                settings: [("mass_kg".to_owned(), MASS)].into(),
+                values: vec![time.iter().map(place).collect(), vec![force; time.len()]],
+                time: time.clone(),
+                ..Run::default()
+            }
+        };
+        let runs = [
+            (0.0, 0.9),
+            (0.0, -0.6),
+            (2.0, -0.5),
+            (-2.2, 0.7),
+            (2.5, 0.1),
+        ];
+        let data = Experiment {
+            kind: Sort::Slide,
+            mechanism: None,
+            columns: ["position_m", "force_n"].map(str::to_owned).into(),
+            noise: vec![Some(2e-4), None],
+            resolution: vec![None; 2],
+            runs: runs.map(&mut run).into(),
+        };
+        let slides = Slides::new(&data);
+        let found = crate::diagnose(&slides, &Settings::default(), &|_| ()).expect("an answer");
+        let causes: Vec<usize> = found.findings.iter().map(|f| f.best.cause).collect();
+        let ids = causes.iter().map(|c| slides.causes()[*c].id).collect();
+        let first = causes.first().map(|c| found.after.terms.of(*c).to_vec());
+        assert!(found.unknown.is_none());
+        (ids, first.unwrap_or_default())
+    }
+
+    #[test]
+    fn dry_friction_that_differs_by_direction_is_found() {
+        let (ids, values) = found_in_parabolas([1.2, 0.7]);
+        assert_eq!(ids, ["directional-friction"]);
+        assert!(
+            (values[0] - 1.2).abs() < 0.02 && (values[1] - 0.7).abs() < 0.02,
+            "{values:?}"
+        );
+        let (ids, values) = found_in_parabolas([1.0, 1.0]);
+        assert_eq!(ids, ["coulomb-friction"]);
+        assert!((values[0] - 1.0).abs() < 0.02, "{values:?}");
+        assert!(found_in_parabolas([0.0, 0.0]).0.is_empty());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use saltus_numeric::statistics::quantile;
 
-use super::{Causes, FREE, amount, causes, faults, gain, offset, unknown};
+use super::{Causes, FREE, amount, causes, directional, faults, gain, offset, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, count};
@@ -74,6 +74,7 @@ impl Strokes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Effect {
     Coulomb,
+    Directional,
     Seal,
     Viscous,
     Spring,
@@ -85,8 +86,10 @@ fn listed() -> Vec<(Option<Effect>, Cause)> {
         unknown("stiffness_n_per_m", 0.0, (0.0, 1e6), 10.0),
         unknown("preload_n", 0.0, (0.0, 1e4), 1.0),
     ];
+    let coulomb = amount("coulomb-friction", "coulomb_friction_n", 1e4, 0.5, &[1.0]);
     let mut all = causes! {
-        Effect::Coulomb => amount("coulomb-friction", "coulomb_friction_n", 1e4, 0.5, &[1.0]);
+        Effect::Directional => directional(&coulomb);
+        Effect::Coulomb => coulomb;
         Effect::Seal => amount("seal-friction", "seal_friction_n_per_pa", 1.0, 1e-6, &[1e-5]);
         Effect::Viscous => amount("viscous-friction", viscous, 1e6, 1.0, &[10.0]);
         Effect::Spring => Cause::several("return-spring", spring);
@@ -170,7 +173,10 @@ impl Kind for Strokes {
         let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
         let of = |effect, p| self.causes.get(effect, p, terms);
-        let (coulomb, seal) = (of(Effect::Coulomb, 0)?, of(Effect::Seal, 0)?);
+        let [coulomb, forward] =
+            self.causes
+                .friction(Effect::Coulomb, Effect::Directional, 0.0, terms);
+        let seal = of(Effect::Seal, 0)?;
         let viscous = of(Effect::Viscous, 0)?;
         let (stiffness, preload) = (of(Effect::Spring, 0)?, of(Effect::Spring, 1)?);
         let mut last = drive.motion.first()?.0;
@@ -185,7 +191,7 @@ impl Kind for Strokes {
                 state = end + (state - end) * (-moved.abs() / way).exp();
                 let dry = coulomb + seal * pressure.max(0.0);
                 let spring = stiffness * (self.retracted - x) + preload;
-                pressure * area + state * dry + viscous * speed - spring
+                pressure * area + state * dry + forward + viscous * speed - spring
             })
             .collect();
         Some(out)
@@ -340,6 +346,11 @@ mod tests {
     #[test]
     fn friction_is_against_the_motion() {
         check(&beyond(&[("coulomb-friction", 0, 4.0)]), |_, way| 4.0 * way);
+        let each = [
+            ("directional-friction", 0, 4.0),
+            ("directional-friction", 1, 1.0),
+        ];
+        check(&beyond(&each), |_, way| 1.5 + 2.5 * way);
         check(&beyond(&[("seal-friction", 0, 1e-5)]), |_, way| {
             way * 1e-5 * PRESSURE
         });

@@ -10,6 +10,7 @@ use super::{Exact, World};
 
 pub(super) const CAUSES: &[&str] = &[
     "coulomb-friction",
+    "directional-friction",
     "viscous-friction",
     "return-spring",
     "air-drag",
@@ -121,7 +122,8 @@ impl Slides {
 /// What acts on the mass beside the drive.
 struct Guide {
     mass: f64,
-    coulomb: f64,
+    /// Dry friction forward and back.
+    coulomb: [f64; 2],
     viscous: f64,
     spring: (f64, f64, f64),
     drag: f64,
@@ -137,7 +139,8 @@ impl Guide {
         );
         Guide {
             mass: mass + h.or_zero("mass_kg added"),
-            coulomb: h.or_zero("leg.coulomb_friction_n"),
+            coulomb: ["coulomb_friction_forward_n", "coulomb_friction_back_n"]
+                .map(|key| h.or_zero("leg.coulomb_friction_n") + h.or_zero(key)),
             viscous: h.or_zero("leg.viscous_friction_n_s_per_m"),
             spring,
             drag: h.or_zero("environment.drag_per_m"),
@@ -145,9 +148,9 @@ impl Guide {
         }
     }
 
-    /// Dry friction (N).
-    fn dry(&self, x: f64) -> f64 {
-        self.coulomb + self.rough.0 * (1.0 + (TAU * x / self.rough.1).sin())
+    /// Dry friction (N) against a motion that goes forward (1) or back (−1).
+    fn dry(&self, x: f64, way: f64) -> f64 {
+        self.coulomb[usize::from(way < 0.0)] + self.rough.0 * (1.0 + (TAU * x / self.rough.1).sin())
     }
 
     /// Force (N) of all but dry friction.
@@ -164,7 +167,7 @@ impl Guide {
         for _ in 0..8 {
             let pull = |t: f64, x: f64| {
                 let free = self.free(drive(t), [x, 0.0]);
-                if free.abs() > self.dry(x) {
+                if free.abs() > self.dry(x, free) {
                     free.signum()
                 } else {
                     0.0
@@ -187,12 +190,12 @@ impl Guide {
             let rate = |t: f64, y: &[f64; 2]| {
                 [
                     y[1],
-                    (self.free(drive(t), *y) - way * self.dry(y[0])) / self.mass,
+                    (self.free(drive(t), *y) - way * self.dry(y[0], way)) / self.mass,
                 ]
             };
             let after = |h: f64| rk4(rate, t, y, h);
             let next = after(h);
-            if next[1] * way >= 0.0 || self.dry(y[0]) == 0.0 {
+            if next[1] * way >= 0.0 || self.dry(y[0], way) == 0.0 {
                 *y = next;
                 return;
             }
@@ -221,6 +224,14 @@ impl World for Slides {
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         Some(match id {
             "coulomb-friction" => vec![Dial::up_to("leg.coulomb_friction_n", 1.5 * self.mass)],
+            "directional-friction" => {
+                let [least, most] = [draw.between(0.1, 0.4), 1.5].map(|share| share * self.mass);
+                let [forward, back] = draw.one(&[[least, most], [most, least]]);
+                vec![
+                    Dial::up_to("coulomb_friction_forward_n", forward),
+                    Dial::up_to("coulomb_friction_back_n", back),
+                ]
+            }
             "viscous-friction" => vec![Dial::up_to(
                 "leg.viscous_friction_n_s_per_m",
                 10.0 * self.mass,
@@ -289,6 +300,14 @@ mod tests {
         assert!((x - 0.75).abs() < 1e-9 && v == 0.0, "{x} {v}");
         assert_eq!(pushed(&guide, 2.5, [0.0, 0.0], 1.0), [0.0, 0.0]);
         assert!((pushed(&guide, 4.0, [0.0, 0.0], 1.0)[0] - 0.25).abs() < 1e-9);
+        // Back it is held by 1 N alone.
+        let (forward, back) = (
+            ("coulomb_friction_forward_n", 3.0),
+            ("coulomb_friction_back_n", 1.0),
+        );
+        let guide = self::guide(&[forward, back]);
+        assert!((pushed(&guide, 4.0, [0.0, 0.0], 1.0)[0] - 0.25).abs() < 1e-9);
+        assert!((pushed(&guide, -2.0, [0.0, 0.0], 1.0)[0] + 0.25).abs() < 1e-9);
     }
 
     #[test]

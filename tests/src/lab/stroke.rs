@@ -9,6 +9,7 @@ use super::{Exact, World};
 
 pub(super) const CAUSES: &[&str] = &[
     "coulomb-friction",
+    "directional-friction",
     "seal-friction",
     "viscous-friction",
     "return-spring",
@@ -75,7 +76,9 @@ impl Strokes {
 
     fn run(&self, test: &Test, h: &Hidden) -> Exact {
         let area = PI / 4.0 * self.bore * self.bore;
-        let coulomb = h.or_zero("leg.coulomb_friction_n");
+        let both = h.or_zero("leg.coulomb_friction_n");
+        let [forward, back] = ["coulomb_friction_forward_n", "coulomb_friction_back_n"]
+            .map(|key| both + h.or_zero(key));
         let (seal, viscous) = (
             h.or_zero("leg.seal_friction_n_per_pa"),
             h.or_zero("leg.viscous_friction_n_s_per_m"),
@@ -106,13 +109,15 @@ impl Strokes {
             // The regulator gives way a little: it lets out air while the piston retracts.
             let pressure = test.pressure
                 + test.regulator * (0.7 * speed / test.speed + 0.3 * (TAU * t / 7.0).sin());
-            let dry = coulomb
-                + seal * pressure
+            let dry = seal * pressure
                 + rough * (1.0 + (TAU * position / waves).sin())
                 + stribeck * (-(speed / slow).powi(2)).exp();
+            // The seal that is turned one way is held by the friction of that way.
+            let rubs = 0.5 * ((1.0 + state) * forward - (1.0 - state) * back);
             let extension = retracted - position;
-            let force =
-                pressure * area + state * dry + viscous * speed - spring.0 * extension - spring.1;
+            let force = pressure * area + state * dry + rubs + viscous * speed
+                - spring.0 * extension
+                - spring.1;
             exact.time.push(t);
             for (values, value) in exact.values.iter_mut().zip([position, pressure, force]) {
                 values.push(value);
@@ -184,6 +189,10 @@ impl World for Strokes {
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         Some(match id {
             "coulomb-friction" => vec![Dial::up_to("leg.coulomb_friction_n", 50.0)],
+            "directional-friction" => vec![
+                Dial::up_to("coulomb_friction_forward_n", draw.between(5.0, 20.0)),
+                Dial::up_to("coulomb_friction_back_n", 50.0),
+            ],
             "seal-friction" => vec![Dial::up_to("leg.seal_friction_n_per_pa", 1e-4)],
             "viscous-friction" => vec![Dial::up_to("leg.viscous_friction_n_s_per_m", 2000.0)],
             "return-spring" => vec![
