@@ -29,9 +29,9 @@ pub struct Implausible {
 pub fn implausible(experiment: &Experiment, robot: Option<&Robot>) -> Option<Implausible> {
     let spec = experiment.kind.spec();
     // A check of a family is of each of its columns.
-    let is_own = |check: &Check, name: &str| match check.name.contains('*') {
-        true => spec.family(name) == Some(check.name),
-        false => name == check.name,
+    let is_own = |check: &Check, name: &str| {
+        let is_family = check.name.contains('*');
+        name == check.name || (is_family && spec.family(name) == Some(check.name))
     };
     let of = |check: &Check| {
         let columns = experiment.columns.iter().map(String::as_str);

@@ -9,9 +9,7 @@ use saltus_robot::Robot;
 use saltus_robot::units::{INERTIA, NUMBER, Quantity, Unit};
 
 use super::input::Input;
-use super::{
-    Causes, FREE, causes, delay, directional, faults, gain, offset, share, simple, unknown,
-};
+use super::{Causes, FREE, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Log, Parameter, Terms};
 use crate::layout::{Draw, Layout, round};
@@ -141,7 +139,6 @@ enum Effect {
     Mass,
     Centre,
     Dry,
-    Directional,
     Viscous,
     Drag,
     Spring,
@@ -207,14 +204,10 @@ impl Pendulums {
             Some(inertia) => inertia,
             None => body.about_axis() * self.causes.or(Effect::Inertia, 1.0, terms),
         };
-        let [dry, forward] = self
-            .causes
-            .friction(Effect::Dry, Effect::Directional, 0.0, terms);
         Swing {
             inertia,
             moment: body.moment(),
-            dry,
-            forward,
+            dry: self.causes.or(Effect::Dry, 0.0, terms),
             viscous: self.causes.or(Effect::Viscous, 0.0, terms),
             drag: self.causes.or(Effect::Drag, 0.0, terms),
             spring: self.causes.or(Effect::Spring, 0.0, terms),
@@ -328,10 +321,8 @@ fn of_friction(body: &Body) -> Vec<(Option<Effect>, Cause)> {
         let (bounds, scale) = ((0.0, 10.0 * size / unit), 0.01 * size / unit);
         simple(id, name, 0.0, bounds, scale, &starts)
     };
-    let dry = friction("coulomb-friction", "coulomb_friction_n_m", 1.0);
     causes! {
-        Effect::Directional => directional(&dry);
-        Effect::Dry => dry;
+        Effect::Dry => friction("coulomb-friction", "coulomb_friction_n_m", 1.0);
         Effect::Viscous => friction("viscous-friction", "viscous_friction_n_m_s_per_rad", rate);
         Effect::Drag => friction("air-drag", "drag_n_m_s2_per_rad2", rate * rate);
     }
@@ -356,8 +347,6 @@ struct Swing {
     moment: f64,
     /// T (N m).
     dry: f64,
-    /// How far (N m) T forward is above its mean of both directions.
-    forward: f64,
     /// b (N m s).
     viscous: f64,
     /// d (N m s²).
@@ -383,7 +372,7 @@ impl Swing {
     fn push(&self, [angle, rate]: [f64; 2], torque: f64) -> f64 {
         let back =
             self.moment * angle.sin() + self.spring * angle + self.second * (2.0 * angle).sin();
-        torque - self.forward - back - (self.viscous + self.drag * rate.abs()) * rate
+        torque - back - (self.viscous + self.drag * rate.abs()) * rate
     }
 
     /// One step of h (s), in which the torque (N m) goes straight from the first to the second and then to
@@ -575,7 +564,6 @@ mod tests {
         inertia: 0.02,
         moment: 1.5,
         dry: 0.0,
-        forward: 0.0,
         viscous: 0.0,
         drag: 0.0,
         spring: 0.0,

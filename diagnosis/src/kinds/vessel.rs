@@ -247,9 +247,10 @@ impl Vessels {
             causes: Causes::of(&mut data, named, unnamed(last)),
             data,
             tanks: experiment.runs.iter().map(vessel).collect(),
-            other: match are_air(experiment) {
-                true => Perfect::CO2,
-                false => Perfect::AIR,
+            other: if are_air(experiment) {
+                Perfect::CO2
+            } else {
+                Perfect::AIR
             },
         }
     }
@@ -895,8 +896,10 @@ mod tests {
             };
             let exact: Vec<f64> = time.iter().map(pressure).collect();
             let mut vessels = filling(first, time, exact.clone());
-            let mut run = Run::default();
-            run.settings = gas.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+            let run = Run {
+                settings: gas.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
+                ..Run::default()
+            };
             vessels.tanks[0].contents = contents::contents(&run);
             vessels.tanks[0].ambient = 1e5;
             let off = Terms::off(vessels.causes());

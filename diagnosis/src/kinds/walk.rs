@@ -450,7 +450,10 @@ mod tests {
             "{light}"
         );
         let far = refused(&set("inner_centre_from_hip_m", 0.3));
-        assert!(far.contains("must be within the leg, leg_length_m = 0.28"), "{far}");
+        assert!(
+            far.contains("must be within the leg, leg_length_m = 0.28"),
+            "{far}"
+        );
         let short = refused(&|run: &mut Run| {
             for (row, stands) in run.values[0].iter_mut().enumerate() {
                 *stands = (row / 5 % 2) as f64;

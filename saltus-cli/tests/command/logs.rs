@@ -548,6 +548,29 @@ fn slips_of_unit_elsewhere_are_named() {
     check("jump", "wheel_rate_rad_s", -1.0, "sign turned");
 }
 
+const OWN: &str = "experiment.toml";
+
+/// Kind, file, key of a setting, what it is multiplied by, and what is asked then.
+#[rustfmt::skip]
+const SETTINGS: &[(&str, &str, &str, f64, &str)] = &[
+    ("stroke", OWN, "bore_m", 1e3, "not mm, cm or inch"),
+    ("stroke", OWN, "bore_m", 39.37, "is it in N, and bore_m in inch"),
+    ("vessel", OWN, "volume_m3", 1e3, "is it in l?"),
+    ("vessel", OWN, "orifice_diameter_m", 100.0, "orifice_diameter_m in cm?"),
+    ("vessel", OWN, "wall_area_m2", 1e4, "is it in cm2?"),
+    ("pendulum", OWN, "centre_from_axle_m", 1e3, "is it in mm?"),
+    ("pendulum", OWN, "centre_from_axle_m", 39.37, "is it in inch?"),
+    ("pendulum", OWN, "inertia_about_centre_kg_m2", 1e6, "the inertia at which"),
+    ("walk", OWN, "leg_length_m", 1e3, "not mm, cm or inch"),
+    ("walk", OWN, "inner_centre_from_hip_m", 39.37, "must be within the leg"),
+    ("tank-leg", OWN, "link_length_m", 1e3, "not mm, cm or inch"),
+    ("tank-leg", OWN, "tube_diameter_m", 1e3, "not mm, cm or inch"),
+    ("tank-leg", OWN, "knee_pulley_radius_m", 100.0, "not mm, cm or inch"),
+    ("tank-leg", OWN, "tank_volume_m3", 1e3, "not l, cm3"),
+    ("machine", "chain.toml", "at_m", 1e3, "lengths of links in mm?"),
+    ("machine", "chain.toml", "centre_m", 1e3, "lengths of links in mm?"),
+];
+
 /// Numbers of the machine that come in a smaller unit, where no robot tells how large they can be.
 #[test]
 fn slips_of_unit_in_settings_are_named() {
@@ -577,77 +600,9 @@ fn slips_of_unit_in_settings_are_named() {
         folder.write(&path, text);
         refused(&folder, &["diagnose"], &[words]);
     };
-    let own = "experiment.toml";
-    check("stroke", own, "bore_m", 1e3, "not mm, cm or inch");
-    check(
-        "stroke",
-        own,
-        "bore_m",
-        39.37,
-        "is it in N, and bore_m in inch",
-    );
-    check("vessel", own, "volume_m3", 1e3, "is it in l?");
-    check(
-        "vessel",
-        own,
-        "orifice_diameter_m",
-        100.0,
-        "orifice_diameter_m in cm?",
-    );
-    check("vessel", own, "wall_area_m2", 1e4, "is it in cm2?");
-    check("pendulum", own, "centre_from_axle_m", 1e3, "is it in mm?");
-    check(
-        "pendulum",
-        own,
-        "centre_from_axle_m",
-        39.37,
-        "is it in inch?",
-    );
-    check(
-        "pendulum",
-        own,
-        "inertia_about_centre_kg_m2",
-        1e6,
-        "the inertia at which",
-    );
-    check("walk", own, "leg_length_m", 1e3, "not mm, cm or inch");
-    check(
-        "walk",
-        own,
-        "inner_centre_from_hip_m",
-        39.37,
-        "must be within the leg",
-    );
-    check("tank-leg", own, "link_length_m", 1e3, "not mm, cm or inch");
-    check(
-        "tank-leg",
-        own,
-        "tube_diameter_m",
-        1e3,
-        "not mm, cm or inch",
-    );
-    check(
-        "tank-leg",
-        own,
-        "knee_pulley_radius_m",
-        100.0,
-        "not mm, cm or inch",
-    );
-    check("tank-leg", own, "tank_volume_m3", 1e3, "not l, cm3");
-    check(
-        "machine",
-        "chain.toml",
-        "at_m",
-        1e3,
-        "lengths of links in mm?",
-    );
-    check(
-        "machine",
-        "chain.toml",
-        "centre_m",
-        1e3,
-        "lengths of links in mm?",
-    );
+    for (kind, file, key, factor, words) in SETTINGS {
+        check(kind, file, key, *factor, words);
+    }
 }
 
 /// What real effects and instruments do is not taken for a slip: every kind with and without

@@ -13,7 +13,6 @@ pub(super) const CAUSES: &[&str] = &[
     "mass",
     "imbalance",
     "coulomb-friction",
-    "directional-friction",
     "viscous-friction",
     "air-drag",
     "encoder-scale",
@@ -130,8 +129,7 @@ impl Pendulums {
 struct Axle {
     inertia: f64,
     weight: f64,
-    /// Dry friction forward and back.
-    dry: [f64; 2],
+    dry: f64,
     viscous: f64,
     drag: f64,
     cubic: f64,
@@ -145,8 +143,7 @@ impl Axle {
         Axle {
             inertia: about_axis * h.get("inertia_share", 1.0),
             weight: mass * GRAVITY * centre,
-            dry: ["coulomb_friction_forward_n_m", "coulomb_friction_back_n_m"]
-                .map(|key| h.or_zero("coulomb_friction_n_m") + h.or_zero(key)),
+            dry: h.or_zero("coulomb_friction_n_m"),
             viscous: h.or_zero("viscous_friction_n_m_s_per_rad"),
             drag: h.or_zero("drag_n_m_s2_per_rad2"),
             cubic: h.or_zero("cubic_spring_n_m_per_rad3"),
@@ -161,17 +158,12 @@ impl Axle {
             - (self.viscous + self.drag * rate.abs()) * rate
     }
 
-    /// Dry friction (N m) against a turn forward (1) or back (−1).
-    fn dry(&self, way: f64) -> f64 {
-        self.dry[usize::from(way < 0.0)]
-    }
-
     /// Goes on by `h` seconds: turns one way, turns back, or sticks.
     fn go(&self, drive: impl Fn(f64) -> f64, mut t: f64, y: &mut [f64; 2], mut h: f64) {
         for _ in 0..8 {
             let pull = |t: f64| {
                 let free = self.free(drive(t), [y[0], 0.0]);
-                if free.abs() > self.dry(free) {
+                if free.abs() > self.dry {
                     free.signum()
                 } else {
                     0.0
@@ -189,12 +181,12 @@ impl Axle {
             let rate = |t: f64, y: &[f64; 2]| {
                 [
                     y[1],
-                    (self.free(drive(t), *y) - way * self.dry(way)) / self.inertia,
+                    (self.free(drive(t), *y) - way * self.dry) / self.inertia,
                 ]
             };
             let after = |h: f64| rk4(rate, t, y, h);
             let next = after(h);
-            if next[1] * way >= 0.0 || self.dry(way) == 0.0 {
+            if next[1] * way >= 0.0 || self.dry == 0.0 {
                 *y = next;
                 return;
             }
@@ -232,14 +224,6 @@ impl World for Pendulums {
                 self.centre * draw.one(&[-0.3, 0.4]),
             )],
             "coulomb-friction" => vec![Dial::up_to("coulomb_friction_n_m", 0.05 * moment)],
-            "directional-friction" => {
-                let [least, most] = [draw.between(0.003, 0.012), 0.05].map(|share| share * moment);
-                let [forward, back] = draw.one(&[[least, most], [most, least]]);
-                vec![
-                    Dial::up_to("coulomb_friction_forward_n_m", forward),
-                    Dial::up_to("coulomb_friction_back_n_m", back),
-                ]
-            }
             "viscous-friction" => vec![Dial::up_to(
                 "viscous_friction_n_m_s_per_rad",
                 0.2 * moment / rate,
@@ -270,7 +254,7 @@ mod tests {
         let axle = |dry: f64| Axle {
             inertia: 0.5,
             weight: 2.0,
-            dry: [dry; 2],
+            dry,
             viscous: 0.0,
             drag: 0.0,
             cubic: 0.0,

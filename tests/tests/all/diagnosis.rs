@@ -100,7 +100,6 @@ fn a_clear_effect_in_flights_and_parts() {
         (Sort::Stroke, "return-spring"),
         (Sort::Slide, "coulomb-friction"),
         (Sort::Slide, "directional-friction"),
-        (Sort::Pendulum, "directional-friction"),
         (Sort::Vessel, "gas-type"),
     ] {
         finds(sort, &[(id, Size::Clear)], 44);

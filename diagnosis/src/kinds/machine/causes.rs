@@ -5,9 +5,7 @@ use super::plant::{Change, guess};
 use super::sizes::Sizes;
 use super::{is_angle, named};
 use crate::kind::{Cause, Channel, Data, Terms};
-use crate::kinds::{
-    Causes, FREE, causes, delay, directional, faults, gain, offset, share, simple, unknown,
-};
+use crate::kinds::{Causes, FREE, causes, delay, faults, gain, offset, share, simple, unknown};
 use crate::mechanism::{Inertia, Joint, Link, Mechanism, Shows};
 
 /// What a cause does, with the index of its link, joint, spring, drive or channel.
@@ -20,7 +18,6 @@ pub(super) enum Effect {
     Center(usize),
     Counterweight(usize),
     Dry(usize),
-    Directional(usize),
     Viscous(usize),
     Drag(usize),
     Stiffness(usize),
@@ -196,10 +193,8 @@ fn of_joint(
     ];
     let drag = ["drag_n_m_s2_per_rad2", "drag_n_s2_per_m2"];
     let (friction, damping) = (likely.friction[k], likely.damping[k]);
-    let dry = of("coulomb-friction", dry, joint.friction, 1.0, friction);
     let mut all = causes! {
-        Effect::Directional(k) => directional(&dry);
-        Effect::Dry(k) => dry;
+        Effect::Dry(k) => of("coulomb-friction", dry, joint.friction, 1.0, friction);
         Effect::Viscous(k) => of("viscous-friction", viscous, joint.damping, rate, damping);
     };
     if joint.parent.is_none() {
@@ -259,13 +254,11 @@ impl Change {
             }
             if let Some(k) = same_joint(&link.joint) {
                 let set = |to: &mut f64, effect| *to = causes.or(effect, *to, terms);
+                set(&mut change.friction[i], Effect::Dry(k));
                 set(&mut change.damping[i], Effect::Viscous(k));
                 set(&mut change.drag[i], Effect::Drag(k));
                 set(&mut change.stiffness[i], Effect::Stiffness(k));
                 set(&mut change.second[i], Effect::Second(k));
-                let (both, each) = (Effect::Dry(k), Effect::Directional(k));
-                [change.friction[i], change.forward[i]] =
-                    causes.friction(both, each, change.friction[i], terms);
             }
             let name = link.counterweight.as_ref().map(|own| &own.name);
             let same = first.links.iter().position(|own| {

@@ -34,8 +34,6 @@ pub(super) struct Change {
     pub(super) counterweight: Vec<[f64; 2]>,
     /// Of each joint: dry friction, damping, drag, stiffness, and a torque that goes with sin 2q.
     pub(super) friction: Vec<f64>,
-    /// How far dry friction forward is above its mean of both directions.
-    pub(super) forward: Vec<f64>,
     pub(super) damping: Vec<f64>,
     pub(super) drag: Vec<f64>,
     pub(super) stiffness: Vec<f64>,
@@ -77,7 +75,6 @@ impl Change {
                 })
                 .collect(),
             friction: each(|link| link.joint.friction),
-            forward: zeros.clone(),
             damping: each(|link| link.joint.damping),
             drag: zeros.clone(),
             stiffness: zeros.clone(),
@@ -173,7 +170,6 @@ impl<'a> Plant<'a> {
             .map(|(spring, share)| share * spring.law.at(q))
             .sum();
         of_springs
-            - change.forward[k]
             - change.stiffness[k] * q
             - change.drag[k] * v.abs() * v
             - change.second[k] * (2.0 * q).sin()
