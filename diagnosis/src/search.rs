@@ -580,7 +580,7 @@ impl<'a> Search<'a> {
         let least = found.iter().map(|f| f.0).fold(base.loss, f64::min);
         found.retain(|f| base.loss - f.0 > GIVEN_UP * (base.loss - least));
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.truncate(FITTED);
+        found.truncate(2 * FITTED);
         let of = |(_, cause, mut fit): (f64, usize, Fit)| {
             let others = self.runs.iter().filter(|run| !few.contains(run));
             others.for_each(|run| fit::begin_afresh(kind, &mut fit, *run));
