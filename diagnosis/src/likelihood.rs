@@ -48,7 +48,7 @@ pub(crate) fn cosines(n: usize) -> Vec<Vec<f64>> {
     (0..WAVES.min(n / 2)).map(of).collect()
 }
 
-/// What is known of the noise of each channel before a model is fitted, and of how well models do.
+/// Noise of each channel and error of the model, as far as they are known before a fit.
 #[derive(Clone, Debug)]
 pub(crate) struct Expected {
     /// Scale of the model's own error (σ of a reading).
@@ -92,7 +92,7 @@ impl Expected {
     }
 }
 
-/// Root mean square (σ) of what noise of measured inputs does to each channel.
+/// Root mean square (σ) of the change that noise of measured inputs makes in each channel.
 fn by_inputs(kind: &dyn Kind) -> Vec<f64> {
     use rand_distr::{Distribution, StandardNormal};
     const DRAWS: usize = 8;
@@ -157,7 +157,7 @@ pub(crate) struct Linear {
     own: Vec<usize>,
     parts: Vec<Part>,
     channels: usize,
-    /// Logarithm of the determinant of what makes noise white.
+    /// Logarithm of the determinant of the filter that makes noise white.
     whitening: f64,
     /// The columns of each run as they are, without the residuals.
     columns: Vec<Vec<Vec<f64>>>,

@@ -12,7 +12,7 @@ const OTHERS: [(&str, &str); 8] = [
     ("gas-type", "the gas is another one"),
     (
         "directional-friction",
-        "dry friction differs by direction, as with a constant force on the joint",
+        "dry friction differs by direction, as with a constant force beside it",
     ),
     ("imbalance", "the centre of mass is off the axle"),
     ("foot-slip", "the foot slips on the ground"),

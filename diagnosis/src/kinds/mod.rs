@@ -121,12 +121,12 @@ impl<E: Copy + PartialEq> Causes<E> {
         self.get(effect, 0, terms).unwrap_or(none)
     }
 
-    /// Mean dry friction of both directions (N or N m), and how far that forward is above it: of what is
-    /// `nominal`, with a cause that changes both alike and one that changes each.
-    fn friction(&self, both: E, each: E, nominal: f64, terms: &Terms) -> [f64; 2] {
-        let [forward, back] = [0, 1].map(|p| self.get(each, p, terms).unwrap_or(nominal));
-        let mean = self.or(both, nominal, terms) + 0.5 * (forward + back) - nominal;
-        [mean.max(0.0), 0.5 * (forward - back)]
+    /// Dry friction (N): the mean of both directions, and by how much friction forward exceeds that mean.
+    /// The cause `both` adds the same friction to each direction, the cause `each` its own.
+    fn friction(&self, both: E, each: E, terms: &Terms) -> [f64; 2] {
+        let [forward, back] = [0, 1].map(|p| self.get(each, p, terms).unwrap_or(0.0));
+        let mean = self.or(both, 0.0, terms) + 0.5 * (forward + back);
+        [mean, 0.5 * (forward - back)]
     }
 }
 

@@ -73,7 +73,7 @@ impl Slides {
         };
         let [dry, forward] = self
             .causes
-            .friction(Effect::Dry, Effect::Directional, 0.0, terms);
+            .friction(Effect::Dry, Effect::Directional, terms);
         Some(Guide {
             mass,
             forward,
@@ -363,7 +363,8 @@ mod tests {
         until + 0.5 * second / MASS * late * late
     }
 
-    /// Ids of what is found, with the values of the first, where a mass has this dry friction.
+    /// Ids of the causes that a diagnosis names for a mass with this dry friction (N), forward and back,
+    /// and the values of the first.
     fn found_in_parabolas(friction: [f64; 2]) -> (Vec<&'static str>, Vec<f64>) {
         let mut draw = Draw::new(8);
         let time: Vec<f64> = (0..=200).map(|k| f64::from(k) * 5e-3).collect();

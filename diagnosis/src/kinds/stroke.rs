@@ -173,9 +173,9 @@ impl Kind for Strokes {
         let area = FRAC_PI_4 * drive.bore * drive.bore;
         let (mut state, way) = (unknowns[0], unknowns[1]);
         let of = |effect, p| self.causes.get(effect, p, terms);
-        let [coulomb, forward] =
-            self.causes
-                .friction(Effect::Coulomb, Effect::Directional, 0.0, terms);
+        let [coulomb, forward] = self
+            .causes
+            .friction(Effect::Coulomb, Effect::Directional, terms);
         let seal = of(Effect::Seal, 0)?;
         let viscous = of(Effect::Viscous, 0)?;
         let (stiffness, preload) = (of(Effect::Spring, 0)?, of(Effect::Spring, 1)?);

@@ -39,7 +39,7 @@ struct Vessel {
     release: Option<f64>,
     /// Area of the wall (m²); none: that of a sphere.
     wall: Option<f64>,
-    /// What is in it.
+    /// The gas in it.
     contents: Contents,
 }
 

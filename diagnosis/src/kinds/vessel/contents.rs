@@ -185,8 +185,8 @@ pub(super) fn is_one(run: &Run) -> Result<(), Problem> {
     })
 }
 
-/// What is said of a run whose gas, at its highest pressure (Pa) and first temperature (K), is far from
-/// a perfect one.
+/// The note on a run whose gas, at its highest pressure (Pa) and first temperature (K), is far from a
+/// perfect gas; none for other runs.
 pub(super) fn note(run: &Run, pressure: f64, temperature: f64) -> Option<String> {
     let own = substance(run)?;
     let shown = |x: f64| (10.0 * x).round() / 10.0;
@@ -243,7 +243,8 @@ impl Substance {
 mod tests {
     use super::*;
 
-    /// Measured compressibility factors: NIST Chemistry WebBook (Lemmon and others), rounded.
+    /// Compressibility factors as handbooks have them, to 1 %. They were written down from memory, and are
+    /// not yet compared with a table.
     #[test]
     fn compressibility_is_that_of_tables() {
         let check = |name: &str, bar: f64, temperature: f64, factor: f64| {
