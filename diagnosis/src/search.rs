@@ -292,11 +292,12 @@ impl<'a> Search<'a> {
         self.refine();
     }
 
-    /// Where the best set leaves something, fits pairs: a gain and an offset may nearly cancel, and then
-    /// neither explains much alone.
+    /// Where the best set leaves something or has several causes, fits pairs: a gain and an offset, or a
+    /// pressure and a friction, may nearly cancel, and then neither explains much alone.
     fn pairs(&mut self) {
-        let is_short = self.sets.get(&self.best()).is_none_or(Set::is_short);
-        let Some(around) = self.around.as_ref().filter(|_| is_short && self.most > 1) else {
+        let best = self.best();
+        let is_wanted = best.len() > 1 || self.sets.get(&best).is_none_or(Set::is_short);
+        let Some(around) = self.around.as_ref().filter(|_| is_wanted && self.most > 1) else {
             return;
         };
         let near: Vec<usize> = (self.kind.common()..self.kind.listed())
