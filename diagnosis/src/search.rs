@@ -32,9 +32,8 @@ const FEW: usize = 4;
 const PAIRS: usize = 4;
 /// Causes that are fitted beside each.
 const FITTED: usize = 6;
-/// Causes of a set that are many, and the causes that are fitted in the place of each of them.
+/// Causes of a set that are many.
 const MANY: usize = 3;
-const EXCHANGED: usize = 2;
 /// Difference in the logarithm of a probability beyond which a linear model gives a cause up.
 const HOPELESS: f64 = 30.0;
 
@@ -347,11 +346,11 @@ impl<'a> Search<'a> {
                     }
                 }
                 let is_lost = |causes: &Vec<usize>| self.sets.get(causes).is_none_or(Set::is_far);
-                if is_lost(&without) && !is_lost(&best) {
-                    // Slopes far from the answer tell less than those at it: see `exchange`.
+                if best.len() >= MANY || (is_lost(&without) && !is_lost(&best)) {
+                    // Slopes at the answer tell more: see `exchange`.
                     continue;
                 }
-                self.expand(&without, if best.len() < MANY { FITTED } else { EXCHANGED });
+                self.expand(&without, FITTED);
             }
             if self.best() == best {
                 self.exchange(&best);
@@ -368,9 +367,6 @@ impl<'a> Search<'a> {
         /// Causes that are fitted in the place of each.
         const FEW: usize = 3;
         let kind = self.kind;
-        if self.sets.get(base).is_none_or(Set::is_far) {
-            return;
-        }
         let Some(linear) = self.sure(base) else {
             return;
         };
@@ -994,7 +990,7 @@ impl Search<'_> {
         /// is estimated from differences of readings.
         const MORE: (f64, f64) = (1.5, 3.0);
         /// Sets of several causes that are weighed anew.
-        const KEPT: usize = 150;
+        const KEPT: usize = 40;
         let best = self.best();
         let Some(set) = self.sets.get(&best) else {
             return false;
