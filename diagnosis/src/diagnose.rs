@@ -137,7 +137,11 @@ struct Answer<'a> {
     set: &'a Set,
     before: Fit,
     after: Fit,
+    /// The answer fitted by what its noise is worth where readings follow each other.
+    widely: Fit,
     folds: Vec<Fold>,
+    /// Of data left out, by the model before and after.
+    scores: [Option<Vec<Score>>; 2],
 }
 
 impl<'a> Answer<'a> {
@@ -173,10 +177,11 @@ impl<'a> Answer<'a> {
             };
             (causes, set, after) = (less, smaller, of(&smaller.fit)?);
         }
-        Some(Answer {
+        let mut answer = Answer {
             view,
             search,
             settings,
+            widely: set.fit.clone(),
             seen,
             wide,
             causes,
@@ -184,7 +189,11 @@ impl<'a> Answer<'a> {
             before,
             after,
             folds,
-        })
+            scores: [None, None],
+        };
+        answer.widely = answer.refitted(set);
+        answer.scores = [&answer.before, &answer.after].map(|model| answer.scores(model));
+        Some(answer)
     }
 
     fn tell(self, progress: &dyn Fn(&str)) -> Diagnosis {
@@ -210,7 +219,7 @@ impl<'a> Answer<'a> {
             .filter(|_| self.causes.len() > 1)
             .map(|cause| Alone {
                 rms: self
-                    .gains(&cause.fit)
+                    .gains(self.scores(&cause.fit))
                     .into_iter()
                     .map(|gain| gain.rms.1)
                     .collect(),
@@ -223,7 +232,7 @@ impl<'a> Answer<'a> {
         let unknown = is_short
             .then(|| worst(self.view, &self.after, self.unlisted()))
             .flatten();
-        let mut gains = self.gains(&self.after);
+        let mut gains = self.gains(self.scores[1].clone());
         for (gain, channel) in gains.iter_mut().zip(self.view.channels()) {
             gain.noise = channel.noise;
         }
@@ -252,15 +261,26 @@ impl<'a> Answer<'a> {
             .unwrap_or(&self.search.sets[&Vec::new()])
     }
 
-    fn candidate(&self, cause: usize, set: &Set, base: &Set) -> Candidate {
-        let mut fit = Fit {
+    /// A set fitted by what its noise is worth where readings follow each other.
+    fn refitted(&self, set: &Set) -> Fit {
+        let fit = Fit {
             scales: vec![1.0; self.view.channels().len()],
             ..set.fit.clone()
         };
         let runs: Vec<usize> = (0..self.view.logs().len()).collect();
-        let better = fit::refit(&self.wide, fit.clone(), &runs, &None, fit::STEPS);
-        if let Some(better) = better.filter(|better| does_something(self.view, cause, better)) {
-            fit = better;
+        fit::refit(&self.wide, fit.clone(), &runs, &None, fit::STEPS).unwrap_or(fit)
+    }
+
+    fn candidate(&self, cause: usize, set: &Set, base: &Set) -> Candidate {
+        let is_answer = std::ptr::eq(set, self.set);
+        let mut fit = if is_answer {
+            self.widely.clone()
+        } else {
+            self.refitted(set)
+        };
+        if !does_something(self.view, cause, &fit) {
+            fit.clone_from(&set.fit);
+            fit.scales.fill(1.0);
         }
         let mut candidate = Candidate::new(self.view, cause, &base.fit, fit);
         candidate.log_odds = set.best() - base.best();
@@ -324,12 +344,10 @@ impl<'a> Answer<'a> {
                 finding.less_likely.push(candidate);
             }
         }
-        let losses = |model: &Fit| -> Option<f64> {
-            Some(self.scores(model)?.iter().map(|score| score.loss).sum())
-        };
-        finding.held_out = losses(&base.fit)
-            .zip(losses(&self.after))
-            .map_or(f64::NAN, |(a, b)| a - b);
+        let loss = |scores: &[Score]| scores.iter().map(|score| score.loss).sum::<f64>();
+        let without = self.scores(&base.fit);
+        let both = without.as_ref().zip(self.scores[1].as_ref());
+        finding.held_out = both.map_or(f64::NAN, |(without, with)| loss(without) - loss(with));
         let rivals = finding
             .rivals
             .iter()
@@ -408,9 +426,14 @@ impl<'a> Answer<'a> {
         gain::held_out(&self.seen, &model, &self.folds)
     }
 
-    fn gains(&self, after: &Fit) -> Vec<gain::Gain> {
-        let scores = [&self.before, after].map(|model| self.scores(model).unwrap_or_default());
-        gain::gains(&self.seen, &scores[0], &scores[1], self.settings)
+    fn gains(&self, after: Option<Vec<Score>>) -> Vec<gain::Gain> {
+        let before = self.scores[0].as_deref().unwrap_or_default();
+        gain::gains(
+            &self.seen,
+            before,
+            &after.unwrap_or_default(),
+            self.settings,
+        )
     }
 
     fn common(&self) -> Vec<Reported> {

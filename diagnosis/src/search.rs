@@ -1,7 +1,7 @@
 //! Which set of causes explains the data: sets are fitted, the most promising first, and weighed by how
 //! probable the data are with them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{DMatrix, DVector};
 use saltus_numeric::parallel;
@@ -194,6 +194,8 @@ pub(crate) struct Search<'a> {
     pub(crate) kind: &'a dyn Kind,
     pub(crate) expected: Expected,
     pub(crate) sets: BTreeMap<Vec<usize>, Set>,
+    /// Causes that were fitted beside each set from all their starts.
+    searched: BTreeSet<(Vec<usize>, usize)>,
     /// What was fitted beside each set.
     expanded: BTreeMap<Vec<usize>, Vec<Vec<usize>>>,
     /// The model as it is, linearised.
@@ -218,6 +220,7 @@ impl<'a> Search<'a> {
             kind,
             expected: Expected::new(kind),
             sets: BTreeMap::new(),
+            searched: BTreeSet::new(),
             expanded: BTreeMap::new(),
             around: None,
             near: None,
@@ -336,21 +339,14 @@ impl<'a> Search<'a> {
                 self.sure(&best);
                 continue;
             }
-            for k in 0..best.len() {
-                let mut without = best.clone();
-                without.remove(k);
-                if !self.sets.contains_key(&without) {
-                    let from = self.sets[&best].fit.clone();
-                    if let Some(set) = self.without(from, best[k]) {
-                        self.sets.insert(without.clone(), set);
-                    }
-                }
-                let is_lost = |causes: &Vec<usize>| self.sets.get(causes).is_none_or(Set::is_far);
-                if best.len() >= MANY || (is_lost(&without) && !is_lost(&best)) {
-                    // Slopes at the answer tell more: see `exchange`.
-                    continue;
-                }
-                self.expand(&without, FITTED);
+            self.shorten(&best);
+            let is_lost = |causes: &Vec<usize>| self.sets.get(causes).is_none_or(Set::is_far);
+            let is_good = !is_lost(&best);
+            // Of many causes, and where those left are far off, slopes at the answer tell more: see `exchange`.
+            let shorter =
+                parts(&best).filter(|less| best.len() < MANY && !(is_good && is_lost(less)));
+            for less in shorter.collect::<Vec<_>>() {
+                self.expand(&less, FITTED);
             }
             if self.best() == best {
                 self.exchange(&best);
@@ -359,6 +355,37 @@ impl<'a> Search<'a> {
                 }
             }
         }
+    }
+
+    /// Fits a set without each of its causes, where that was not done.
+    fn shorten(&mut self, base: &[usize]) {
+        let kind = self.kind;
+        let gone: Vec<usize> = (0..base.len())
+            .filter(|k| !self.sets.contains_key(&but(base, *k)))
+            .map(|k| base[k])
+            .collect();
+        let Some(linear) = self.sure(base).filter(|_| !gone.is_empty()) else {
+            return;
+        };
+        let fit = &self.sets[base].fit;
+        let fitted = parallel::map(gone.len(), |k| {
+            let begin = without(kind, fit.clone(), gone[k]);
+            let slopes = linear.slopes(kind, fit, &begin.causes);
+            self.near_by(begin, slopes)
+        });
+        for set in fitted.into_iter().flatten() {
+            let mut causes = set.fit.causes.clone();
+            causes.sort_unstable();
+            self.sets.insert(causes, set);
+        }
+    }
+
+    /// The fit that begins at `begin`, with derivatives from nearby.
+    fn near_by(&self, begin: Fit, slopes: Slopes) -> Option<Set> {
+        let steps = fit::ROUGH_STEPS;
+        let (fit, slopes) = fit::refit_near(self.kind, begin, slopes, &self.runs, steps)?;
+        let (fit, slopes) = fit::settled(self.kind, fit, slopes, &self.runs)?;
+        self.weighed(fit, slopes)
     }
 
     /// Fits what the linear model at a set says to do in the place of each of its causes: from no cause at
@@ -386,11 +413,7 @@ impl<'a> Search<'a> {
             };
             let back: Vec<(usize, f64)> = places.into_iter().map(back).collect();
             let there = linear.without(&back);
-            let mut from = fit.clone();
-            from.causes.retain(|c| *c != gone);
-            for (p, parameter) in kind.causes()[gone].parameters.iter().enumerate() {
-                from.terms.set(gone, p, parameter.neutral);
-            }
+            let from = without(kind, fit.clone(), gone);
             let others: Vec<usize> = (kind.common()..kind.listed())
                 .filter(|c| !base.contains(c) && !kind.causes()[*c].is_apart())
                 .collect();
@@ -409,10 +432,7 @@ impl<'a> Search<'a> {
         let fitted = parallel::map(tried.len(), |k| {
             let begin = tried[k].clone();
             let slopes = linear.slopes(kind, fit, &begin.causes);
-            let steps = fit::ROUGH_STEPS;
-            let (fit, slopes) = fit::refit_near(kind, begin, slopes, &self.runs, steps)?;
-            let (fit, slopes) = fit::settled(kind, fit, slopes, &self.runs)?;
-            self.weighed(fit, slopes)
+            self.near_by(begin, slopes)
         });
         for set in fitted.into_iter().flatten() {
             self.keep(set);
@@ -420,11 +440,8 @@ impl<'a> Search<'a> {
     }
 
     /// A fit without one of its causes, fitted.
-    pub(crate) fn without(&self, mut fit: Fit, cause: usize) -> Option<Set> {
-        fit.causes.retain(|c| *c != cause);
-        for (p, parameter) in self.kind.causes()[cause].parameters.iter().enumerate() {
-            fit.terms.set(cause, p, parameter.neutral);
-        }
+    pub(crate) fn without(&self, fit: Fit, cause: usize) -> Option<Set> {
+        let fit = without(self.kind, fit, cause);
         self.settled(fit::refit(self.kind, fit, &self.runs, &None, fit::STEPS)?)
     }
 
@@ -617,10 +634,7 @@ impl<'a> Search<'a> {
             return self.settled(fit::refit(self.kind, begin, &self.runs, &None, fit::STEPS)?);
         };
         let slopes = linear.slopes(self.kind, from, &begin.causes);
-        let steps = fit::ROUGH_STEPS;
-        let (fit, slopes) = fit::refit_near(self.kind, begin, slopes, &self.runs, steps)?;
-        let (fit, slopes) = fit::settled(self.kind, fit, slopes, &self.runs)?;
-        self.weighed(fit, slopes)
+        self.near_by(begin, slopes)
     }
 
     /// Where no listed cause explains all, those that small steps do not reach may: of them no linear model
@@ -644,7 +658,7 @@ impl<'a> Search<'a> {
 
     /// One that does not hold what it promises, and promises as much as others hold, has other starts.
     fn try_elsewhere(
-        &self,
+        &mut self,
         from: &Fit,
         is_far: bool,
         guesses: &[Guess],
@@ -675,6 +689,9 @@ impl<'a> Search<'a> {
         };
         again.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
         again.truncate(MOST);
+        let mut base = from.causes.clone();
+        base.sort_unstable();
+        again.retain(|k| self.searched.insert((base.clone(), guesses[*k].cause)));
         let others = parallel::map(again.len(), |k| {
             let cause = guesses[again[k]].cause;
             let own = fitted[again[k]].as_ref().map_or(least, |set| set.fit.loss);
@@ -856,6 +873,24 @@ impl Set {
             is_sure: false,
         })
     }
+}
+
+/// A set but for its cause `k`; and but for each of its causes.
+fn but(set: &[usize], k: usize) -> Vec<usize> {
+    [&set[..k], &set[k + 1..]].concat()
+}
+
+fn parts(set: &[usize]) -> impl Iterator<Item = Vec<usize>> {
+    (0..set.len()).map(|k| but(set, k))
+}
+
+/// A fit with one of its causes taken away.
+fn without(kind: &dyn Kind, mut fit: Fit, cause: usize) -> Fit {
+    fit.causes.retain(|c| *c != cause);
+    for (p, parameter) in kind.causes()[cause].parameters.iter().enumerate() {
+        fit.terms.set(cause, p, parameter.neutral);
+    }
+    fit
 }
 
 /// Whether a cause is not where it does nothing.
