@@ -75,3 +75,10 @@ pub fn names(d: &Diagnosis, truth: &[Effect]) -> bool {
     truth.iter().all(named)
         && (truth.len() > 1 || (sets.len() == truth.len() && d.unknown.is_none()))
 }
+
+/// Whether a cause is named without rivals that is not hidden, and no `unknown` is said.
+pub fn is_alone_and_wrong(d: &Diagnosis, truth: &[Effect]) -> bool {
+    let is_hidden = |id: &str| truth.iter().any(|effect| effect.id == id);
+    let sets = sets(d);
+    d.unknown.is_none() && sets.iter().any(|set| matches!(set[..], [id] if !is_hidden(id)))
+}

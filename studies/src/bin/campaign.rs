@@ -10,9 +10,9 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use saltus_diagnosis::{Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
+use saltus_diagnosis::{Candidate, Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
-use saltus_tests::lab::{self, Case, Size};
+use saltus_tests::lab::{self, Case, Effect, Size};
 use saltus_tests::verdict;
 
 /// What was hidden, and what was said.
@@ -25,6 +25,9 @@ struct Tally {
     within: usize,
     intervals: usize,
     inside: usize,
+    /// A cause named without rivals that is not hidden, and no `unknown` said.
+    alone_wrong: usize,
+    unknown: usize,
     gains: usize,
     at_noise: usize,
     wrong: Vec<String>,
@@ -126,10 +129,43 @@ fn main() {
             );
         }
     }
+    totals(&table);
     for ((kind, what), t) in &table {
         for wrong in &t.wrong {
             println!("{kind} {what}: {wrong}");
         }
+    }
+}
+
+/// Coverage of intervals and names that are wrong, over every set of every kind.
+fn totals(table: &BTreeMap<(String, String), Tally>) {
+    let mut rows: BTreeMap<&str, [usize; 6]> = BTreeMap::new();
+    let mut all = [0; 6];
+    let add = |to: &mut [usize; 6], from: &[usize; 6]| {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+    };
+    for ((_, what), t) in table {
+        let counts = [
+            t.sets,
+            t.right,
+            t.unknown,
+            t.alone_wrong,
+            t.inside,
+            t.intervals,
+        ];
+        add(rows.entry(what).or_default(), &counts);
+        add(&mut all, &counts);
+    }
+    println!("\n| hidden | sets | right | unknown | named alone and wrong | in 95 % interval |");
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for (what, [sets, right, unknown, wrong, inside, intervals]) in
+        rows.into_iter().chain([("all", all)])
+    {
+        let share = 100.0 * inside as f64 / intervals.max(1) as f64;
+        println!(
+            "| {what} | {sets} | {right} | {unknown} | {wrong} | {inside} of {intervals} \
+             ({share:.0} %) |"
+        );
     }
 }
 
@@ -201,44 +237,65 @@ fn one(
     }
 }
 
+/// Whether the answer is right; counts intervals, and names that are wrong.
 fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &str) -> bool {
-    if ["clear", "subtle"].contains(&what) {
-        let truth = &case.truth[0];
-        tally.alone += usize::from(verdict::sets(d) == [[truth.id]]);
-        let candidates = d
-            .findings
+    let sets = verdict::sets(d);
+    if let [truth] = &case.truth[..] {
+        tally.alone += usize::from(sets == [[truth.id]]);
+    }
+    tally.alone_wrong += usize::from(verdict::is_alone_and_wrong(d, &case.truth));
+    tally.unknown += usize::from(d.unknown.is_some());
+    let candidates = || {
+        d.findings
             .iter()
-            .flat_map(|f| std::iter::once(&f.best).chain(&f.rivals));
-        for candidate in candidates
-            .filter(|c| kind.causes()[c.cause].id == truth.id)
-            .take(1)
-        {
-            for r in &candidate.reported {
-                if let Some((_, known)) = truth
-                    .parameters
-                    .iter()
-                    .find(|(n, _)| n.ends_with(r.name.as_str()))
-                {
-                    tally.parameters += 1;
-                    tally.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
-                    if let Some(Interval { low, high }) = r.interval {
-                        let is_inside = low.is_none_or(|low| low <= *known)
-                            && high.is_none_or(|high| *known <= high);
-                        tally.intervals += 1;
-                        tally.inside += usize::from(is_inside);
-                    }
-                }
-            }
+            .flat_map(|f| std::iter::once(&f.best).chain(&f.rivals))
+    };
+    for truth in &case.truth {
+        if let Some(candidate) = candidates().find(|c| is_of(kind, c, truth)) {
+            tally.compare(candidate, truth);
         }
+    }
+    if ["clear", "subtle"].contains(&what) {
         for gain in &d.gains {
             tally.gains += 1;
             tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
         }
     }
-    let is_outside = what.starts_with("outside");
-    if is_outside {
+    if what.starts_with("outside") {
         d.unknown.is_some()
     } else {
         verdict::names(d, &case.truth)
     }
+}
+
+/// Whether a candidate is the hidden effect: a fault of a sensor, on the same column.
+fn is_of(kind: &dyn Kind, candidate: &Candidate, truth: &Effect) -> bool {
+    let is_sensor = kind.causes()[candidate.cause].fault.is_some();
+    let column = candidate.column.as_deref().filter(|_| is_sensor);
+    let is_on = |column: &str| truth.parameters.iter().any(|(n, _)| n.starts_with(column));
+    candidate.id == truth.id && column.is_none_or(is_on)
+}
+
+impl Tally {
+    /// Counts the parameters of a candidate that are as they are hidden.
+    fn compare(&mut self, candidate: &Candidate, truth: &Effect) {
+        for r in &candidate.reported {
+            let hidden = truth.parameters.iter().find(|(n, _)| is_called(n, &r.name));
+            let Some((_, known)) = hidden else { continue };
+            self.parameters += 1;
+            self.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
+            if let Some(Interval { low, high }) = r.interval {
+                let is_inside = low.is_none_or(|low| low <= *known)
+                    && high.is_none_or(|high| *known <= high);
+                self.intervals += 1;
+                self.inside += usize::from(is_inside);
+            }
+        }
+    }
+}
+
+/// Whether the laboratory's `key` is the parameter that is reported as `name`: offsets of a sensor
+/// have their column's unit in the report alone.
+fn is_called(key: &str, name: &str) -> bool {
+    key.ends_with(name) || (name.starts_with("offset_") && key.ends_with(" offset"))
 }
