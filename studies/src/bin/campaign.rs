@@ -1,18 +1,31 @@
 //! The campaign: hidden effects of every cause in every kind of experiment, and what the diagnosis
 //! says of each.
 //!
-//!     cd studies && cargo run --release --bin campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4]
+//!     cd studies && cargo run --release --bin campaign [kind=all] [what=clear,none] [seeds=2] [first=1] [cause=ID] [noise=untold] [discrepancy=0.4] [form=event]
 //!
 //! With nothing given it runs flights only; with `noise=untold` the folders do not say how much
-//! their columns scatter; `discrepancy` adds a smooth process to every column, in standard
-//! deviations of a reading, that no cause explains.
+//! their columns scatter; `discrepancy` adds a process to every column, in standard deviations of
+//! a reading, that no cause explains: a smooth one, or with `form=event` steps at the valve's
+//! commands, or at the start, that die away.
+//!
+//! | `what` | data | right |
+//! | --- | --- | --- |
+//! | `none` | no effect | no answer |
+//! | `clear`, `subtle` | one cause of 6 to 12 σ, of 2 σ | its name |
+//! | `two` | two causes of 6 to 12 σ | both names |
+//! | `outside`, `outside-clear` | one effect off the list of 15 to 30 σ, of 6 to 12 σ | `unknown` |
+//! | `beside` | a cause of 6 to 12 σ and an effect off the list of 15 to 30 σ | its name and `unknown`, or `unknown` alone |
+//! | `huge` | one cause of 100 to 1,000 σ | its name, `unknown`, or both |
+//! | `ar` | no effect, noise with a lag-1 autocorrelation of 0.6 to 0.7 | no answer |
+//! | `misstated` | no effect, noise stated five times too large or too small | no name |
+//! | `precise` | columns whose span is 1e5 times their noise: no effect, and one cause of 6 to 12 σ | as without |
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use saltus_diagnosis::{Candidate, Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
 use saltus_robot::Robot;
-use saltus_tests::lab::{self, Case, Effect, Size};
+use saltus_tests::lab::{self, Case, Effect, Form, Rough, Size};
 use saltus_tests::verdict;
 
 /// What was hidden, and what was said.
@@ -25,9 +38,12 @@ struct Tally {
     within: usize,
     intervals: usize,
     inside: usize,
+    /// Intervals that do not hold what is hidden.
+    outside: Vec<String>,
     /// A cause named without rivals that is not hidden, and no `unknown` said.
     alone_wrong: usize,
-    unknown: usize,
+    /// Right by `unknown` alone.
+    abstained: usize,
     gains: usize,
     at_noise: usize,
     wrong: Vec<String>,
@@ -48,7 +64,88 @@ fn lists(name: &str, value: &str) -> bool {
     option(name).is_none_or(|list| list.split(',').any(|x| x.eq_ignore_ascii_case(value)))
 }
 
-#[expect(clippy::too_many_lines, reason = "one experiment")]
+/// A set of data of the campaign.
+struct Set {
+    what: &'static str,
+    hidden: Vec<(&'static str, Size)>,
+    rough: Rough,
+}
+
+/// The sets of a kind of experiment with this seed.
+fn sets(sort: Sort, seed: u64) -> Vec<Set> {
+    let (causes, outside) = (lab::causes_of(sort), lab::outside(sort));
+    let seed_number = usize::try_from(seed).unwrap_or(0);
+    let rough = Rough {
+        discrepancy: option("discrepancy")
+            .and_then(|x| x.parse().ok())
+            .unwrap_or(0.0),
+        form: match option("form").as_deref() {
+            Some("event") => Form::Event,
+            _ => Form::Smooth,
+        },
+        ..Rough::default()
+    };
+    let set = |what, hidden: &[_]| Set {
+        what,
+        hidden: hidden.to_vec(),
+        rough,
+    };
+    let each = |what, ids: &[&'static str], size| -> Vec<Set> {
+        ids.iter().map(|id| set(what, &[(*id, size)])).collect()
+    };
+    let of_noise = |what, rough| Set {
+        rough,
+        ..set(what, &[])
+    };
+    let mut all = vec![
+        set("none", &[]),
+        of_noise(
+            "ar",
+            Rough {
+                autocorrelation: 0.6 + 0.1 * (0.618 * seed as f64).fract(),
+                ..rough
+            },
+        ),
+        of_noise(
+            "misstated",
+            Rough {
+                stated: if seed % 2 == 0 { 5.0 } else { 0.2 },
+                ..rough
+            },
+        ),
+        set("precise", &[]),
+    ];
+    all.extend(each("precise", causes, Size::Clear));
+    for set in all.iter_mut().filter(|set| set.what == "precise") {
+        set.rough.precision = Some(1e5);
+    }
+    all.extend(each("clear", causes, Size::Clear));
+    all.extend(each("subtle", causes, Size::Subtle));
+    all.extend(each("huge", causes, Size::Huge));
+    all.extend(each("outside", outside, Size::Large));
+    all.extend(each("outside-clear", outside, Size::Clear));
+    all.extend(causes.iter().enumerate().map(|(k, id)| {
+        let unlisted = outside[(seed_number + k) % outside.len()];
+        set("beside", &[(id, Size::Clear), (unlisted, Size::Large)])
+    }));
+    for k in 0..4 {
+        let n = causes.len();
+        let a = (seed_number * 7 + k * 5) % n;
+        let b = (a + 1 + (seed_number * 3 + k * 2) % (n - 1)) % n;
+        let pair = [a, b].map(|i| (causes[i], Size::Clear));
+        // A flight's change by three names.
+        let is_fall = |id| ["gravity", "counterweight", "encoder-scale"].contains(&id);
+        if sort != Sort::Flight || !pair.iter().all(|(id, _)| is_fall(*id)) {
+            all.push(set("two", &pair));
+        }
+    }
+    let is_asked = |set: &Set| {
+        let cause = set.hidden.first().filter(|_| set.what != "two");
+        lists("what", set.what) && cause.is_none_or(|(id, _)| lists("cause", id))
+    };
+    all.into_iter().filter(is_asked).collect()
+}
+
 fn main() {
     let (first, seeds) = (number("first", 1), number("seeds", 1));
     let mut table: BTreeMap<(String, String), Tally> = BTreeMap::new();
@@ -59,49 +156,22 @@ fn main() {
             continue;
         }
         for seed in first..first + seeds {
-            if lists("what", "none") {
-                one(&mut table, &name, "none", sort, &[], seed);
-            }
-            for (what, size) in [("clear", Size::Clear), ("subtle", Size::Subtle)] {
-                for id in lab::causes_of(sort)
-                    .iter()
-                    .filter(|id| lists("cause", id) && lists("what", what))
-                {
-                    one(&mut table, &name, what, sort, &[(*id, size)], seed);
-                }
-            }
-            for (what, size) in [("outside", Size::Large), ("outside, clear", Size::Clear)] {
-                for id in lab::outside(sort)
-                    .iter()
-                    .filter(|id| lists("cause", id) && lists("what", what))
-                {
-                    one(&mut table, &name, what, sort, &[(*id, size)], seed);
-                }
-            }
-            if lists("what", "two") {
-                let causes = lab::causes_of(sort);
-                let n = causes.len();
-                let seed_number = usize::try_from(seed).unwrap_or(0);
-                for k in 0..4 {
-                    let a = (seed_number * 7 + k * 5) % n;
-                    let b = (a + 1 + (seed_number * 3 + k * 2) % (n - 1)) % n;
-                    let pair = [a, b].map(|i| (causes[i], Size::Clear));
-                    // The same change of a flight by three names.
-                    let is_fall = |id| ["gravity", "counterweight", "encoder-scale"].contains(&id);
-                    if sort == Sort::Flight && pair.iter().all(|(id, _)| is_fall(*id)) {
-                        continue;
-                    }
-                    one(&mut table, &name, "two", sort, &pair, seed);
-                }
+            for set in sets(sort, seed) {
+                one(&mut table, &name, sort, &set, seed);
             }
         }
     }
+    print(&table);
+}
+
+/// Tables of the counts.
+fn print(table: &BTreeMap<(String, String), Tally>) {
     println!(
         "\n| kind | hidden | sets | right | % | named alone | parameters within 2 errors | in 95 \
          % interval | rms at most 1.1 noise |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    for ((kind, what), t) in &table {
+    for ((kind, what), t) in table {
         println!(
             "| {kind} | {what} | {} | {} | {:.0} | {} | {} of {} | {} of {} | {} of {} |",
             t.sets,
@@ -129,10 +199,13 @@ fn main() {
             );
         }
     }
-    totals(&table);
-    for ((kind, what), t) in &table {
+    totals(table);
+    for ((kind, what), t) in table {
         for wrong in &t.wrong {
             println!("{kind} {what}: {wrong}");
+        }
+        for outside in &t.outside {
+            println!("{kind} {what}, outside its interval: {outside}");
         }
     }
 }
@@ -148,7 +221,7 @@ fn totals(table: &BTreeMap<(String, String), Tally>) {
         let counts = [
             t.sets,
             t.right,
-            t.unknown,
+            t.abstained,
             t.alone_wrong,
             t.inside,
             t.intervals,
@@ -156,14 +229,16 @@ fn totals(table: &BTreeMap<(String, String), Tally>) {
         add(rows.entry(what).or_default(), &counts);
         add(&mut all, &counts);
     }
-    println!("\n| hidden | sets | right | unknown | named alone and wrong | in 95 % interval |");
+    println!(
+        "\n| hidden | sets | right | of them by unknown alone | named alone and wrong | in 95 % interval |"
+    );
     println!("| --- | --- | --- | --- | --- | --- |");
-    for (what, [sets, right, unknown, wrong, inside, intervals]) in
+    for (what, [sets, right, abstained, wrong, inside, intervals]) in
         rows.into_iter().chain([("all", all)])
     {
         let share = 100.0 * inside as f64 / intervals.max(1) as f64;
         println!(
-            "| {what} | {sets} | {right} | {unknown} | {wrong} | {inside} of {intervals} \
+            "| {what} | {sets} | {right} | {abstained} | {wrong} | {inside} of {intervals} \
              ({share:.0} %) |"
         );
     }
@@ -172,14 +247,19 @@ fn totals(table: &BTreeMap<(String, String), Tally>) {
 fn one(
     table: &mut BTreeMap<(String, String), Tally>,
     name: &str,
-    what: &str,
     sort: Sort,
-    hidden: &[(&str, Size)],
+    Set {
+        what,
+        hidden,
+        rough,
+    }: &Set,
     seed: u64,
 ) {
     let start = Instant::now();
-    let discrepancy = option("discrepancy").and_then(|x| x.parse().ok());
-    let mut case = lab::make_rough(sort, hidden, discrepancy.unwrap_or(0.0), seed);
+    let mut case = lab::make_rough(sort, hidden, rough, seed);
+    if *what == "huge" && case.truth[0].sigmas < 100.0 {
+        return;
+    }
     if lists("noise", "untold") && option("noise").is_some() {
         case.experiment.noise.fill(None);
     }
@@ -192,7 +272,7 @@ fn one(
     let said = found
         .as_ref()
         .map_or_else(|| "no motion".into(), verdict::say);
-    let tally = table.entry((name.into(), what.into())).or_default();
+    let tally = table.entry((name.into(), (*what).into())).or_default();
     let ids: Vec<&str> = hidden.iter().map(|h| h.0).collect();
     let is_right = found
         .as_ref()
@@ -211,10 +291,17 @@ fn one(
         made,
         start.elapsed().as_secs_f64() - made
     );
+    let is_abstained = found
+        .as_ref()
+        .is_some_and(|d| d.findings.is_empty() && d.unknown.is_some());
+    tally.abstained += usize::from(is_right && is_abstained);
     let row = tally.by_effect.entry(ids.join(" + ")).or_default();
     row.0 += 1;
     let all = found.as_ref().map(|d| verdict::sets(d)).unwrap_or_default();
-    match (is_right, all.as_slice()) {
+    match (
+        is_right && !(is_abstained && ["huge", "beside"].contains(what)),
+        all.as_slice(),
+    ) {
         (true, [set]) if set.len() > 1 => row.2 += 1,
         (true, _) => row.1 += 1,
         (false, _) => {
@@ -244,7 +331,6 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
         tally.alone += usize::from(sets == [[truth.id]]);
     }
     tally.alone_wrong += usize::from(verdict::is_alone_and_wrong(d, &case.truth));
-    tally.unknown += usize::from(d.unknown.is_some());
     let candidates = || {
         d.findings
             .iter()
@@ -261,10 +347,16 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
             tally.at_noise += usize::from(gain.rms.1 <= 1.1 * gain.noise);
         }
     }
-    if what.starts_with("outside") {
-        d.unknown.is_some()
-    } else {
-        verdict::names(d, &case.truth)
+    let is_cautious = || {
+        let is_named = || verdict::is_named(d, &case.truth[0]);
+        d.unknown.is_some() && (d.findings.is_empty() || is_named())
+    };
+    match what {
+        "outside" | "outside-clear" => d.unknown.is_some(),
+        "beside" => is_cautious(),
+        "huge" => is_cautious() || verdict::names(d, &case.truth),
+        "misstated" => d.findings.is_empty(),
+        _ => verdict::names(d, &case.truth),
     }
 }
 
@@ -285,10 +377,15 @@ impl Tally {
             self.parameters += 1;
             self.within += usize::from((r.value - known).abs() <= 2.0 * r.error);
             if let Some(Interval { low, high }) = r.interval {
-                let is_inside = low.is_none_or(|low| low <= *known)
-                    && high.is_none_or(|high| *known <= high);
+                let is_inside =
+                    low.is_none_or(|low| low <= *known) && high.is_none_or(|high| *known <= high);
                 self.intervals += 1;
                 self.inside += usize::from(is_inside);
+                if !is_inside {
+                    let (id, name) = (truth.id, &r.name);
+                    self.outside
+                        .push(format!("{id} {name} {known:.6e}: {low:?} to {high:?}"));
+                }
             }
         }
     }
