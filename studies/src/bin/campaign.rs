@@ -109,7 +109,7 @@ fn sets(sort: Sort, seed: u64) -> Vec<Set> {
         of_noise(
             "misstated",
             Rough {
-                stated: if seed % 2 == 0 { 5.0 } else { 0.2 },
+                stated: if seed.is_multiple_of(2) { 5.0 } else { 0.2 },
                 ..rough
             },
         ),
