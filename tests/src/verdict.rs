@@ -66,12 +66,24 @@ pub fn say(d: &Diagnosis) -> String {
 
 /// Whether the effects are named and nothing else is: each alone or in a set of three at most.
 pub fn names(d: &Diagnosis, truth: &[Effect]) -> bool {
-    let sets = sets(d);
-    let named = |effect: &Effect| {
-        sets.iter()
-            .any(|set| set.len() <= 3 && set.contains(&effect.id))
-    };
     // Two effects may be of one cause with something beside it; one, or none, may not.
-    truth.iter().all(named)
-        && (truth.len() > 1 || (sets.len() == truth.len() && d.unknown.is_none()))
+    truth.iter().all(|effect| is_named(d, effect))
+        && (truth.len() > 1 || (d.findings.len() == truth.len() && d.unknown.is_none()))
+}
+
+/// Whether an effect is named, alone or in a set of three at most.
+pub fn is_named(d: &Diagnosis, effect: &Effect) -> bool {
+    sets(d)
+        .iter()
+        .any(|set| set.len() <= 3 && set.contains(&effect.id))
+}
+
+/// Whether a cause is named without rivals that is not hidden, and no `unknown` is said.
+pub fn is_alone_and_wrong(d: &Diagnosis, truth: &[Effect]) -> bool {
+    let is_hidden = |id: &str| truth.iter().any(|effect| effect.id == id);
+    let sets = sets(d);
+    d.unknown.is_none()
+        && sets
+            .iter()
+            .any(|set| matches!(set[..], [id] if !is_hidden(id)))
 }

@@ -115,7 +115,7 @@ impl World for Bench {
     fn dials(&self, id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
         match id {
             "mass" => Some(vec![Dial::up_to(
-                "load_mass_kg added",
+                "load_mass_added_kg",
                 draw.one(&[-0.6, 1.0]),
             )]),
             "quadratic-friction" => Some(vec![Dial::up_to("quadratic_friction_n_s2_per_m2", 40.0)]),
@@ -156,7 +156,7 @@ pub(super) fn leg(id: &str, draw: &mut Draw) -> Option<Vec<Dial>> {
     Some(match id {
         // An offset of every set value.
         "supply-pressure" => vec![Dial::up_to(
-            "supply_pressure_pa added",
+            "supply_pressure_offset_pa",
             draw.one(&[-2e5, 2e5]),
         )],
         "return-spring" => {
@@ -224,8 +224,8 @@ impl Plant {
         let delay = h.get("leg.valve_delay_s", 0.01);
         let port = h.or_zero("leg.exhaust_port.area_m2");
         Plant {
-            load: setting.load + h.or_zero("load_mass_kg added"),
-            supply: setting.supply + AMBIENT + h.or_zero("supply_pressure_pa added"),
+            load: setting.load + h.or_zero("load_mass_added_kg"),
+            supply: setting.supply + AMBIENT + h.or_zero("supply_pressure_offset_pa"),
             open: (
                 setting.on + delay,
                 setting.off.map_or(f64::INFINITY, |off| off + delay),

@@ -29,7 +29,7 @@ use saltus_diagnosis::{Experiment, Run, Sort};
 
 use self::dial::{Dial, Hidden};
 use self::draw::Draw;
-use self::sensing::{Column, Seen, sense};
+use self::sensing::{Column, Noise, Seen, sense};
 
 /// An experiment, what its operator believes, and what is true.
 #[derive(Clone, Debug)]
@@ -63,6 +63,46 @@ pub enum Size {
     Subtle,
     /// From 15 to 30 σ.
     Large,
+    /// From 100 to 1,000 σ, or as far as physics goes.
+    Huge,
+}
+
+/// Noise and model discrepancy of the data; by default the noise is white and as stated, and there
+/// is no discrepancy.
+#[derive(Clone, Copy, Debug)]
+pub struct Rough {
+    /// Standard deviation (σ) of a process in every column that no cause explains, of which one half
+    /// of the variance is common to the runs.
+    pub discrepancy: f64,
+    /// Form of that process.
+    pub form: Form,
+    /// Lag-1 autocorrelation of the noise from row to row, in [0, 1).
+    pub autocorrelation: f64,
+    /// Standard deviation of the noise as stated over its true one, > 0.
+    pub stated: f64,
+    /// Span of each column over its noise, in place of the noise and the steps of its sensor.
+    pub precision: Option<f64>,
+}
+
+impl Default for Rough {
+    fn default() -> Rough {
+        Rough {
+            discrepancy: 0.0,
+            form: Form::Smooth,
+            autocorrelation: 0.0,
+            stated: 1.0,
+            precision: None,
+        }
+    }
+}
+
+/// Form of a model discrepancy in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A smooth random process.
+    Smooth,
+    /// A step at each event that dies away: at the valve's commands, or else at the first row.
+    Event,
 }
 
 /// Every kind that [`make`] can make; [`running`] makes logs of kind run.
@@ -137,7 +177,7 @@ pub fn outside(kind: Sort) -> &'static [&'static str] {
 /// # Panics
 /// For an id that is neither in [`causes_of`] nor in [`outside`] of this kind.
 pub fn make(kind: Sort, hidden: &[(&str, Size)], seed: u64) -> Case {
-    make_rough(kind, hidden, 0.0, seed)
+    make_rough(kind, hidden, &Rough::default(), seed)
 }
 
 /// An experiment in which nothing is hidden, without noise; what it has is known all the same.
@@ -151,23 +191,23 @@ pub fn exact(kind: Sort, seed: u64) -> Experiment {
         .iter()
         .map(|column| Column::noisy(column.name, 0.0))
         .collect();
-    let logs = Neutral::of(&*world).logs;
-    let read = measured(kind, &still, logs, &mut Draw::new(seed, 1));
+    let logs = Neutral::of(&*world, None).logs;
+    let read = measured(kind, &still, logs, 0.0, &mut Draw::new(seed, 1));
     Experiment {
         noise: noise(world.columns()),
         ..read
     }
 }
 
-/// The same with what no cause explains: a smooth random process in every column, with a standard
-/// deviation of `discrepancy` σ, of which one half of the variance is the same in every run.
+/// An experiment as of [`make`], with noise and discrepancy as `rough` has them.
 ///
 /// # Panics
 /// As [`make`].
-pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], discrepancy: f64, seed: u64) -> Case {
+pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], rough: &Rough, seed: u64) -> Case {
     let ids: Vec<&str> = hidden.iter().map(|(id, _)| *id).collect();
     let world = world(kind, &ids, seed);
-    let neutral = Neutral::of(&*world);
+    let neutral = Neutral::of(&*world, rough.precision);
+    let columns = neutral.columns.clone();
     let mut all = Hidden::default();
     let mut truth = Vec::new();
     for &(id, size) in hidden {
@@ -187,6 +227,7 @@ pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], discrepancy: f64, seed: u
             Size::Clear => draw.scale(6.0, 12.0),
             Size::Subtle => 2.0,
             Size::Large => draw.scale(15.0, 30.0),
+            Size::Huge => draw.scale(100.0, 1000.0),
         };
         let (strength, sigmas) = neutral.strength(&*world, &dials, wanted);
         let effect = Hidden::of(&dials, strength);
@@ -202,15 +243,14 @@ pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], discrepancy: f64, seed: u
     } else {
         observe(&*world, &neutral.runs, &all)
     };
-    if discrepancy > 0.0 {
-        roughen(
-            world.columns(),
-            &mut logs,
-            discrepancy,
-            &mut Draw::new(seed, 2),
-        );
+    if rough.discrepancy > 0.0 {
+        roughen(&columns, &mut logs, rough, &mut Draw::new(seed, 2));
     }
-    let experiment = measured(kind, world.columns(), logs, &mut Draw::new(seed, 1));
+    let noise = &mut Draw::new(seed, 1);
+    let mut experiment = measured(kind, &columns, logs, rough.autocorrelation, noise);
+    for stated in experiment.noise.iter_mut().flatten() {
+        *stated *= rough.stated;
+    }
     Case {
         experiment,
         robot: world.robot().map(str::to_owned),
@@ -286,20 +326,43 @@ fn observe(world: &dyn World, runs: &[usize], hidden: &Hidden) -> Vec<Option<Exa
     logs
 }
 
-/// Adds a smooth process of `amplitude` σ to every column. A run of one row has no time to be smooth
-/// over, and stays.
-fn roughen(columns: &[Column], logs: &mut [Option<Exact>], amplitude: f64, draw: &mut Draw) {
+/// Adds the discrepancy of `rough` to every column. A run of one row has no course in time, and
+/// stays.
+fn roughen(columns: &[Column], logs: &mut [Option<Exact>], rough: &Rough, draw: &mut Draw) {
     for (k, column) in columns.iter().enumerate() {
-        let shared = Smooth::new(draw);
+        let shared = rough.form.process(draw);
         for log in logs.iter_mut().flatten() {
-            let own = Smooth::new(draw);
+            let own = rough.form.process(draw);
             let [first, .., last] = log.time[..] else {
                 continue;
             };
-            let each = amplitude * column.sigma() * f64::sqrt(0.5);
+            let part = |t: f64| (t - first) / (last - first).max(1e-9);
+            let events = log.valve.map_or([0.0; 2], |(on, off)| {
+                [part(on), off.map_or(f64::INFINITY, part)]
+            });
+            let each = rough.discrepancy * column.sigma() * f64::sqrt(0.5);
             for (t, value) in log.time.iter().zip(&mut log.values[k]) {
-                let part = (t - first) / (last - first).max(1e-9);
-                *value += each * (shared.at(part) + own.at(part));
+                let t = part(*t);
+                let past = events.into_iter().filter(|event| *event <= t);
+                let since = t - past.fold(f64::NEG_INFINITY, f64::max);
+                *value += each * (shared(t, since) + own(t, since));
+            }
+        }
+    }
+}
+
+impl Form {
+    /// A draw of the process, with a variance of 1: its value at a part of the run, 0 to 1, of which
+    /// so much passed since the last event; an infinite part before the first one.
+    fn process(self, draw: &mut Draw) -> Box<dyn Fn(f64, f64) -> f64> {
+        match self {
+            Form::Smooth => {
+                let smooth = Smooth::new(draw);
+                Box::new(move |part, _| smooth.at(part))
+            }
+            Form::Event => {
+                let step = draw.normal(1.0);
+                Box::new(move |_, since| step * (-since / 0.1).exp())
             }
         }
     }
@@ -337,23 +400,14 @@ fn dials(world: &dyn World, neutral: &Neutral, id: &str, draw: &mut Draw) -> Vec
     let of = world.sensed(id);
     assert!(!of.is_empty(), "{id} is on no column of this experiment");
     let name = draw.one(&of);
-    let index = world
-        .columns()
+    let index = neutral
+        .columns
         .iter()
         .position(|column| column.name == name)
         .unwrap_or(0);
-    let column = &world.columns()[index];
+    let column = &neutral.columns[index];
     let logs = || neutral.logs.iter().flatten();
-    let values = || {
-        logs()
-            .flat_map(|log| &log.values[index])
-            .copied()
-            .filter(|x| x.is_finite())
-    };
-    let range = (
-        values().fold(f64::INFINITY, f64::min),
-        values().fold(f64::NEG_INFINITY, f64::max),
-    );
+    let range = range(&neutral.logs, index);
     let ends =
         |row: fn(&[f64]) -> Option<&f64>| logs().filter_map(move |log| row(&log.time)).copied();
     let last = ends(<[f64]>::last).fold(f64::NEG_INFINITY, f64::max);
@@ -367,18 +421,37 @@ fn dials(world: &dyn World, neutral: &Neutral, id: &str, draw: &mut Draw) -> Vec
     sensing::dials(id, &seen, draw).unwrap_or_else(|| panic!("{id} has no simulator"))
 }
 
-/// The world with nothing hidden.
+/// Least and greatest value of a column.
+fn range(logs: &[Option<Exact>], column: usize) -> (f64, f64) {
+    let values = logs.iter().flatten().flat_map(|log| &log.values[column]);
+    let known = values.copied().filter(|x| x.is_finite());
+    known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    })
+}
+
+/// The world with nothing hidden, and its columns as they are read.
 struct Neutral {
     runs: Vec<usize>,
     logs: Vec<Option<Exact>>,
+    columns: Vec<Column>,
 }
 
 impl Neutral {
-    fn of(world: &dyn World) -> Neutral {
+    fn of(world: &dyn World, precision: Option<f64>) -> Neutral {
         let runs: Vec<usize> = (0..world.runs()).collect();
+        let logs = observe(world, &runs, &Hidden::default());
+        let mut columns = world.columns().to_vec();
+        for (k, column) in columns.iter_mut().enumerate() {
+            let (low, high) = range(&logs, k);
+            if let Some(precision) = precision.filter(|_| column.sigma() > 0.0) {
+                *column = Column::noisy(column.name, (high - low) / precision);
+            }
+        }
         Neutral {
-            logs: observe(world, &runs, &Hidden::default()),
             runs,
+            logs,
+            columns,
         }
     }
 
@@ -395,7 +468,7 @@ impl Neutral {
                 .iter()
                 .zip(&logs)
                 .map(|(run, log)| (self.logs[*run].as_ref(), log.as_ref()));
-            greatest(world.columns(), pairs)
+            greatest(&self.columns, pairs)
         };
         if dials.iter().all(|dial| dial.at(0.5) == dial.at(1.0)) {
             return (1.0, sigmas(&self.runs, 1.0));
@@ -470,19 +543,21 @@ fn greatest<'a>(
     if most < 0.0 { f64::INFINITY } else { most }
 }
 
-/// The experiment as its operator has it.
+/// The experiment as its operator has it, with noise of this lag-1 autocorrelation.
 fn measured(
     kind: Sort,
     columns: &[Column],
     logs: Vec<Option<Exact>>,
+    autocorrelation: f64,
     draw: &mut Draw,
 ) -> Experiment {
     let mut runs: Vec<Run> = Vec::new();
     for log in logs.into_iter().flatten() {
         let read = |(column, values): (&Column, &Vec<f64>)| {
+            let mut noise = Noise::new(column, autocorrelation);
             values
                 .iter()
-                .map(|value| column.read(*value, draw))
+                .map(|value| column.read(*value, noise.next(draw)))
                 .collect()
         };
         let values: Vec<Vec<f64>> = columns.iter().zip(&log.values).map(read).collect();

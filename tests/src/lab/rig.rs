@@ -164,7 +164,7 @@ fn rig(robot: &Robot, supply: f64, hidden: &Hidden) -> Option<Rig> {
     let mut robot = robot.clone();
     if let Drive::Pneumatic(cylinder) = &mut robot.leg.drive {
         cylinder.supply =
-            GaugePressure((supply + hidden.or_zero("supply_pressure_pa added")).max(0.0));
+            GaugePressure((supply + hidden.or_zero("supply_pressure_offset_pa")).max(0.0));
     }
     let mut rig = Rig::new(&robot, &[]).ok()?;
     let damping = |key: &str| JointParts {

@@ -29,14 +29,41 @@ impl Column {
         (self.noise * self.noise + self.resolution * self.resolution / 12.0).sqrt()
     }
 
-    /// As read: with noise, then rounded to its steps.
-    pub(super) fn read(&self, value: f64, draw: &mut Draw) -> f64 {
-        let value = value + draw.normal(self.noise);
+    /// As read: with `noise`, then rounded to its steps.
+    pub(super) fn read(&self, value: f64, noise: f64) -> f64 {
+        let value = value + noise;
         if self.resolution > 0.0 {
             (value / self.resolution).round() * self.resolution
         } else {
             value
         }
+    }
+}
+
+/// Noise of a column from row to row: AR(1), as strong at the first row as at any other.
+pub(super) struct Noise {
+    deviation: f64,
+    autocorrelation: f64,
+    before: Option<f64>,
+}
+
+impl Noise {
+    pub(super) fn new(column: &Column, autocorrelation: f64) -> Noise {
+        Noise {
+            deviation: column.noise,
+            autocorrelation,
+            before: None,
+        }
+    }
+
+    /// That of the next row.
+    pub(super) fn next(&mut self, draw: &mut Draw) -> f64 {
+        let (phi, new) = (self.autocorrelation, draw.normal(self.deviation));
+        let noise = self
+            .before
+            .map_or(new, |before| phi * before + (1.0 - phi * phi).sqrt() * new);
+        self.before = Some(noise);
+        noise
     }
 }
 
@@ -189,6 +216,23 @@ fn interpolated(time: &[f64], values: &[f64], t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Variance and lag-1 autocorrelation of a long series.
+    #[test]
+    fn noise_follows_from_row_to_row() {
+        let (mut noise, mut draw) = (
+            Noise::new(&Column::noisy("x_m", 2.0), 0.65),
+            Draw::new(1, 1),
+        );
+        let all: Vec<f64> = (0..40_000).map(|_| noise.next(&mut draw)).collect();
+        let mean = |lag: usize| {
+            let products = all[lag..].iter().zip(&all).map(|(a, b)| a * b);
+            products.sum::<f64>() / (all.len() - lag) as f64
+        };
+        // Four standard deviations of the variance's estimate, and of the correlation's.
+        assert!((mean(0) / 4.0 - 1.0).abs() < 0.045, "{}", mean(0));
+        assert!((mean(1) / mean(0) - 0.65).abs() < 0.016, "{}", mean(1));
+    }
 
     #[test]
     fn a_delayed_sensor_shows_what_was() {

@@ -101,7 +101,7 @@ impl Vessels {
             hidden.get("gas.constant_j_per_kg_k", AIR.1),
         );
         let area = self.discharge * PI / 4.0 * self.orifice * self.orifice;
-        let convection = hidden.or_zero("convection_coefficient");
+        let convection = hidden.or_zero("convection");
         let (ramp, clog) = (
             hidden.or_zero("valve_ramp_s"),
             hidden.or_zero("clogging_per_s"),
@@ -206,7 +206,7 @@ impl World for Vessels {
             .map(|setting| setting.length)
             .fold(0.0, f64::max);
         Some(match id {
-            "heat-transfer" => vec![Dial::up_to("convection_coefficient", 0.2)],
+            "heat-transfer" => vec![Dial::up_to("convection", 0.2)],
             "gas-type" => vec![
                 Dial::fixed("gas.heat_ratio", CARBON_DIOXIDE.0),
                 Dial::fixed("gas.constant_j_per_kg_k", CARBON_DIOXIDE.1),
@@ -285,7 +285,7 @@ mod tests {
             length: 20.0,
         };
         let coldest = |c: f64| {
-            let hidden = Hidden::of(&[Dial::fixed("convection_coefficient", c)], 1.0);
+            let hidden = Hidden::of(&[Dial::fixed("convection", c)], 1.0);
             vessels.run(&setting, &hidden).values[1]
                 .iter()
                 .copied()
