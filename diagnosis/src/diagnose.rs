@@ -12,26 +12,43 @@ use crate::report;
 use crate::residuals::worst;
 use crate::search::{Search, Set, does_something};
 use crate::settings::Settings;
+use crate::statistics::chi_square;
 use crate::view::View;
 
 /// Rivals that are named with a cause; the others are less likely. An answer with more names is no answer.
 pub(crate) const MOST_RIVALS: usize = 2;
 
-/// Which causes make the model of an experiment wrong; `progress` is told what is being done. None
-/// where the model has no answer at its first guesses.
+/// How far a diagnosis is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage<'a> {
+    /// Share of the work that is done, 0 to 1, by how many causes may be at work and how often what is left
+    /// may be looked at: a search that ends early leaps.
+    pub share: f64,
+    /// The work at hand.
+    pub doing: &'a str,
+}
+
+/// Shares of the work at which sets were explored, and at which they were explored again by what the best
+/// leaves.
+const EXPLORED: f64 = 0.5;
+const FOLLOWED: f64 = 0.8;
+
+/// Which causes make the model of an experiment wrong; `progress` is told how far it is. None where the
+/// model has no answer at its first guesses.
 pub fn diagnose(
     kind: &dyn Kind,
     settings: &Settings,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &(dyn Fn(Stage) + Sync),
 ) -> Option<Diagnosis> {
-    progress("fitting the model as it is");
+    let at = |share, doing| progress(Stage { share, doing });
+    at(0.0, "the model as it is");
     let view = View::new(kind, settings);
     let mut search = Search::new(&view, settings, progress)?;
     search.start_near(settings);
     search.look();
-    search.explore();
-    search.follow();
-    progress("what else could be");
+    search.explore((0.02, EXPLORED));
+    search.follow((EXPLORED, FOLLOWED));
+    at(FOLLOWED, "causes that are worth it");
     let folds = folds(&view, settings);
     let causes = search.claimed();
     let causes = search.worth(&view, causes, &folds);
@@ -105,6 +122,16 @@ impl Search<'_> {
     }
 }
 
+/// A fit of all runs by the noise of `view`.
+fn refitted(view: &View, fit: &Fit) -> Fit {
+    let fit = Fit {
+        scales: vec![1.0; view.channels().len()],
+        ..fit.clone()
+    };
+    let runs: Vec<usize> = (0..view.logs().len()).collect();
+    fit::refit(view, fit.clone(), &runs, &None, fit::STEPS).unwrap_or(fit)
+}
+
 /// Ratio of the residuals of `fit` to the effect of `cause` on the same readings (root mean squares), 1 at
 /// most.
 fn share(kind: &dyn Kind, fit: &Fit, cause: usize) -> f64 {
@@ -165,23 +192,25 @@ impl<'a> Answer<'a> {
             fit::refit(&seen, fit, &runs, &None, fit::STEPS)
         };
         let (before, mut after) = (of(&search.sets[&Vec::new()].fit)?, of(&set.fit)?);
-        // One that does nothing where the noise that was found is given is none.
-        while let Some(k) = causes
-            .iter()
-            .position(|c| !does_something(view, *c, &after))
-        {
-            let mut less = causes.clone();
-            less.remove(k);
-            let Some(smaller) = search.sets.get(&less) else {
-                break;
-            };
+        // One that does nothing, or explains no more than chance would, where the noise that was found is
+        // given is none.
+        let widely = |set: &Set| refitted(&wide, &set.fit);
+        while let Some((smaller, less)) = (0..causes.len()).find_map(|k| {
+            let less = [&causes[..k], &causes[k + 1..]].concat();
+            let smaller = search.sets.get(&less)?;
+            let parameters = view.causes()[causes[k]].parameters.len();
+            let by_chance = chi_square(parameters, 0.95);
+            let is_none = !does_something(view, causes[k], &after)
+                || widely(smaller).loss < widely(set).loss + by_chance;
+            is_none.then_some((smaller, less))
+        }) {
             (causes, set, after) = (less, smaller, of(&smaller.fit)?);
         }
         let mut answer = Answer {
             view,
             search,
             settings,
-            widely: set.fit.clone(),
+            widely: widely(set),
             seen,
             wide,
             causes,
@@ -191,18 +220,25 @@ impl<'a> Answer<'a> {
             folds,
             scores: [None, None],
         };
-        answer.widely = answer.refitted(set);
         answer.scores = [&answer.before, &answer.after].map(|model| answer.scores(model));
         Some(answer)
     }
 
-    fn tell(self, progress: &dyn Fn(&str)) -> Diagnosis {
+    fn tell(self, progress: &dyn Fn(Stage)) -> Diagnosis {
+        let done = |k: usize| FOLLOWED + (0.95 - FOLLOWED) * k as f64 / self.causes.len() as f64;
         let kind = self.view;
         let mut findings: Vec<Finding> = self
             .causes
             .iter()
-            .filter(|c| **c < kind.listed())
-            .map(|c| self.finding(*c))
+            .enumerate()
+            .filter(|(_, c)| **c < kind.listed())
+            .map(|(k, c)| {
+                progress(Stage {
+                    share: done(k),
+                    doing: "intervals",
+                });
+                self.finding(*c)
+            })
             .collect();
         findings.sort_by(|a, b| b.best.log_odds.total_cmp(&a.best.log_odds));
         let has_term = self.causes.iter().find(|c| **c >= kind.listed());
@@ -212,7 +248,10 @@ impl<'a> Answer<'a> {
             report::report(&self.wide, &mut term, &[], false);
             term
         });
-        progress("data left out");
+        progress(Stage {
+            share: 0.95,
+            doing: "data left out",
+        });
         let tried = self.tried();
         let alone = tried
             .first()
@@ -261,22 +300,12 @@ impl<'a> Answer<'a> {
             .unwrap_or(&self.search.sets[&Vec::new()])
     }
 
-    /// A set fitted by what its noise is worth where readings follow each other.
-    fn refitted(&self, set: &Set) -> Fit {
-        let fit = Fit {
-            scales: vec![1.0; self.view.channels().len()],
-            ..set.fit.clone()
-        };
-        let runs: Vec<usize> = (0..self.view.logs().len()).collect();
-        fit::refit(&self.wide, fit.clone(), &runs, &None, fit::STEPS).unwrap_or(fit)
-    }
-
     fn candidate(&self, cause: usize, set: &Set, base: &Set) -> Candidate {
         let is_answer = std::ptr::eq(set, self.set);
         let mut fit = if is_answer {
             self.widely.clone()
         } else {
-            self.refitted(set)
+            refitted(&self.wide, &set.fit)
         };
         if !does_something(self.view, cause, &fit) {
             fit.clone_from(&set.fit);

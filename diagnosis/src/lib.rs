@@ -45,7 +45,7 @@ mod tangent;
 mod toy;
 mod view;
 
-pub use diagnose::diagnose;
+pub use diagnose::{Stage, diagnose};
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
 pub use finding::{Alone, Candidate, Competitor, Diagnosis, Finding, Fitness, Reported, Unknown};

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{DMatrix, DVector};
 use saltus_numeric::parallel;
 
+use crate::diagnose::Stage;
 use crate::fit::{self, Fit, Slopes};
 use crate::kind::{Cause, Kind, Parameter};
 use crate::likelihood::{Expected, Likely, Linear, Scatter};
@@ -205,7 +206,9 @@ pub(crate) struct Search<'a> {
     near: Option<Near>,
     most: usize,
     runs: Vec<usize>,
-    progress: &'a (dyn Fn(&str) + Sync),
+    progress: &'a (dyn Fn(Stage) + Sync),
+    /// Share of the work that is done.
+    share: f64,
 }
 
 impl<'a> Search<'a> {
@@ -213,7 +216,7 @@ impl<'a> Search<'a> {
     pub(crate) fn new(
         kind: &'a dyn Kind,
         settings: &Settings,
-        progress: &'a (dyn Fn(&str) + Sync),
+        progress: &'a (dyn Fn(Stage) + Sync),
     ) -> Option<Search<'a>> {
         let runs: Vec<usize> = (0..kind.logs().len()).collect();
         let mut search = Search {
@@ -227,6 +230,7 @@ impl<'a> Search<'a> {
             most: settings.most.unwrap_or(kind.most()),
             runs,
             progress,
+            share: 0.0,
         };
         let none = search.none()?;
         let near: Vec<usize> = (kind.common()..kind.listed())
@@ -245,14 +249,20 @@ impl<'a> Search<'a> {
         }
     }
 
+    fn tell(&self, doing: &str) {
+        let share = self.share;
+        (self.progress)(Stage { share, doing });
+    }
+
     fn none(&self) -> Option<Set> {
         let mut first = Fit::first(self.kind);
         first.scales = vec![f64::INFINITY; self.kind.channels().len()];
         self.settled(fit::refit(self.kind, first, &self.runs, &None, fit::STEPS)?)
     }
 
-    /// Explores sets until none is more probable than the best.
-    pub(crate) fn explore(&mut self) {
+    /// Explores sets until none is more probable than the best, while the share of the work that is done goes
+    /// `from` one `to` another.
+    pub(crate) fn explore(&mut self, (from, to): (f64, f64)) {
         let mut level: Vec<Vec<usize>> = vec![Vec::new()];
         for size in 0..self.most {
             let mut next = Vec::new();
@@ -266,7 +276,10 @@ impl<'a> Search<'a> {
                 .iter()
                 .any(|base| self.score(base) >= best && is_short(base));
             level.retain(|base| leaves || self.score(base) > best - NEAR);
-            for base in level {
+            let count = level.len();
+            for (k, base) in level.into_iter().enumerate() {
+                let part = (size as f64 + k as f64 / count as f64) / (self.most + 1) as f64;
+                self.share = from + (to - from) * part;
                 next.extend(self.expand(&base, FITTED));
             }
             next.sort_by(|a, b| self.score(b).total_cmp(&self.score(a)));
@@ -290,8 +303,10 @@ impl<'a> Search<'a> {
             }
             level = next;
         }
+        self.share = to - (to - from) / (self.most + 1) as f64;
         self.pairs();
         self.refine();
+        self.share = to;
     }
 
     /// Where the best set leaves something or has several causes, fits pairs: a gain and an offset, or a
@@ -504,7 +519,7 @@ impl<'a> Search<'a> {
         }
         let mut fitted = parallel::map(guesses.len(), |k| {
             let name = self.kind.causes()[guesses[k].cause].id;
-            (self.progress)(&format!("{}: {name}", base.len() + 1));
+            self.tell(&format!("{name} as cause {}", base.len() + 1));
             self.fitted(&from, linear.as_ref(), &guesses[k])
         });
         if count == FITTED && !is_scouted {
@@ -566,11 +581,8 @@ impl<'a> Search<'a> {
             return guesses;
         };
         let begun = parallel::map(guesses.len(), |k| {
-            (self.progress)(&format!(
-                "{}: {}",
-                from.causes.len() + 1,
-                kind.causes()[guesses[k].cause].id
-            ));
+            let name = kind.causes()[guesses[k].cause].id;
+            self.tell(&format!("{name} as cause {}", from.causes.len() + 1));
             let begin = guesses[k].fit.clone()?;
             let slopes = match linear.filter(|_| !guesses[k].is_far) {
                 Some(linear) => linear.slopes(kind, from, &begin.causes),
@@ -997,10 +1009,12 @@ fn prior_of_size(spec: &Parameter, value: f64, variance: f64) -> f64 {
 }
 
 impl Search<'_> {
-    /// Judges by what the best set leaves, and goes on from there, until that does not change.
-    pub(crate) fn follow(&mut self) {
+    /// Judges by what the best set leaves, and goes on from there, until that does not change, while the share
+    /// of the work that is done goes `from` one `to` another.
+    pub(crate) fn follow(&mut self, (from, to): (f64, f64)) {
         const ROUNDS: usize = 4;
-        for _ in 0..ROUNDS {
+        let share = |round: usize| from + (to - from) * round as f64 / ROUNDS as f64;
+        for round in 0..ROUNDS {
             let before = self.best();
             if !self.look() {
                 return;
@@ -1012,7 +1026,7 @@ impl Search<'_> {
                     continue;
                 }
             }
-            self.explore();
+            self.explore((share(round), share(round + 1)));
         }
     }
 
@@ -1131,7 +1145,7 @@ mod tests {
             ..Settings::default()
         };
         let mut search = Search::new(toy, &settings, &|_| ()).expect("an answer");
-        search.explore();
+        search.explore((0.0, 1.0));
         search
     }
 
@@ -1226,7 +1240,7 @@ mod tests {
             }
             let toy = Toy::new(&values, (0..6).map(wave).collect()).with_discrepancy(0.1);
             let mut search = explored(&toy);
-            search.follow();
+            search.follow((0.0, 1.0));
             let best = search.best();
             let found = &search.sets[&best];
             assert!(

@@ -7,7 +7,7 @@ use saltus_diagnosis::kinds::{self, Problem};
 use saltus_diagnosis::rig::Rig;
 use saltus_diagnosis::{
     Diagnosis, Experiment, Interval, Kind, Known, KnownError, Misstated, Reported, Settings, Sort,
-    Terms, check_known, disbelieve, misstated,
+    Stage, Terms, check_known, disbelieve, misstated,
 };
 use saltus_numeric::statistics::{line, rms};
 use saltus_planner::{Planner, TableRequest};
@@ -73,7 +73,7 @@ impl Folder {
 }
 
 /// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot;
-/// `progress` is told what is being done.
+/// `progress` is told how far it is.
 ///
 /// # Errors
 /// [`StudyError`] where data and robot do not go together, or the model has no such motion.
@@ -81,7 +81,7 @@ pub fn study(
     experiment: &Experiment,
     robot: Option<&Robot>,
     settings: &Settings,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &(dyn Fn(Stage) + Sync),
 ) -> Result<Study, StudyError> {
     /// Looks at the noise: what a cause explains that is found with less of it may show that there
     /// is less still.

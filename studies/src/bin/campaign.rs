@@ -23,7 +23,8 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use saltus_diagnosis::{Candidate, Diagnosis, Interval, Kind, Settings, Sort, diagnose, kinds};
+use saltus::study::{StudyError, study};
+use saltus_diagnosis::{Candidate, Diagnosis, Interval, Kind, Settings, Sort, kinds};
 use saltus_robot::Robot;
 use saltus_tests::lab::{self, Case, Effect, Form, Rough, Size};
 use saltus_tests::verdict;
@@ -265,10 +266,15 @@ fn one(
     }
     let made = start.elapsed().as_secs_f64();
     let robot = case.robot.as_deref().and_then(Robot::builtin);
-    let Ok(kind) = kinds::build(&case.experiment, robot.as_ref()) else {
-        return;
+    let study = study(&case.experiment, robot.as_ref(), &Settings::default(), &|_| ());
+    let (kind, found) = match study {
+        Ok(study) => (study.kind, Some(study.diagnosis)),
+        Err(StudyError::Problem(_)) => return,
+        Err(_) => match kinds::build(&case.experiment, robot.as_ref()) {
+            Ok(kind) => (kind, None),
+            Err(_) => return,
+        },
     };
-    let found = diagnose(kind.as_ref(), &Settings::default(), &|_| ());
     let said = found
         .as_ref()
         .map_or_else(|| "no motion".into(), verdict::say);

@@ -237,9 +237,9 @@ struct Found<'a> {
 
 /// The diagnosis of a folder; says how far it is.
 fn studied(folder: &Folder, robot: Option<&Robot>, settings: &Settings) -> Result<Study, CliError> {
-    let progress = Progress::new("fits", 0);
-    let study = study::study(&folder.experiment, robot, settings, &|_| {
-        progress.advance(1);
+    let progress = Progress::new("diagnosis", 0);
+    let study = study::study(&folder.experiment, robot, settings, &|stage| {
+        progress.note(&format!("{:.0} %, {}", 100.0 * stage.share, stage.doing));
     });
     drop(progress);
     study.map_err(|error| CliError::content(folder.path.display(), error))
