@@ -12,21 +12,12 @@ use crate::report;
 use crate::residuals::worst;
 use crate::search::{Search, Set, does_something};
 use crate::settings::Settings;
+use crate::stage::Stage;
 use crate::statistics::chi_square;
 use crate::view::View;
 
 /// Rivals that are named with a cause; the others are less likely. An answer with more names is no answer.
 pub(crate) const MOST_RIVALS: usize = 2;
-
-/// How far a diagnosis is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stage<'a> {
-    /// Share of the work that is done, 0 to 1, by how many causes may be at work and how often what is left
-    /// may be looked at: a search that ends early leaps.
-    pub share: f64,
-    /// The work at hand.
-    pub doing: &'a str,
-}
 
 /// Shares of the work at which sets were explored, and at which they were explored again by what the best
 /// leaves.

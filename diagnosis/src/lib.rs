@@ -39,13 +39,14 @@ mod sensor;
 mod series;
 mod settings;
 pub mod spec;
+mod stage;
 mod statistics;
 mod tangent;
 #[cfg(test)]
 mod toy;
 mod view;
 
-pub use diagnose::{Stage, diagnose};
+pub use diagnose::diagnose;
 pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, estimate};
 pub use experiment::{Experiment, Run, Sort};
 pub use finding::{Alone, Candidate, Competitor, Diagnosis, Finding, Fitness, Reported, Unknown};
@@ -63,3 +64,4 @@ pub use profile::Interval;
 pub use residuals::{PhaseResidual, Point, points, residuals};
 pub use sensor::{Fault, Sensor};
 pub use settings::Settings;
+pub use stage::Stage;

@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{DMatrix, DVector};
 use saltus_numeric::parallel;
 
-use crate::diagnose::Stage;
 use crate::fit::{self, Fit, Slopes};
 use crate::kind::{Cause, Kind, Parameter};
 use crate::likelihood::{Expected, Likely, Linear, Scatter};
 use crate::policy::POLICY;
 use crate::settings::Settings;
+use crate::stage::Stage;
 use crate::view::View;
 
 /// Difference in the logarithm of a probability by which a cause may promise to make the best set less
