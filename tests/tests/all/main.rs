@@ -3,6 +3,7 @@
 mod architecture;
 mod ball_known;
 mod boom;
+mod columns;
 mod controller;
 mod diagnosis;
 mod documents;
