@@ -491,7 +491,7 @@ fn walks() -> Recording {
         run.values[torque].fill(push);
         let mut rows = Vec::new();
         moved(&mechanism, &layout.unknowns[k], &run.time, |sim| {
-            rows.push(sim.coordinates().to_vec())
+            rows.push(sim.coordinates().to_vec());
         });
         for (column, k) in [(lean, 0), (hip, 1)] {
             run.values[column] = rows.iter().map(|row| row[k]).collect();
@@ -505,10 +505,17 @@ fn walks() -> Recording {
     }
 }
 
-/// An arm that turns, with a slide on it that a spring holds, driven by a constant torque and force.
-fn machine() -> Recording {
-    let (turning, sliding) = ((0.6, -0.1, 4e-3), (0.3, -0.15, 2e-3));
-    let (stiffness, from, tip) = (120.0, 0.1, 0.2);
+/// Of an arm that turns and of a slide on it: mass (kg), centre above the joint (m), inertia (kg m²).
+const PARTS: [(f64, f64, f64); 2] = [(0.6, -0.1, 4e-3), (0.3, -0.15, 2e-3)];
+/// Dry friction and damping of both joints.
+const FRICTION: (f64, f64) = (0.02, 0.01);
+/// Stiffness (N/m) of the spring that holds the slide, and where it rests (m).
+const SPRING: (f64, f64) = (120.0, 0.1);
+/// The tip (m) above the slide's joint.
+const TIP: f64 = -0.2;
+
+/// The arm as its operator describes it.
+fn described() -> Mechanism {
     let part = |name: &str, parent, way, (mass, center, inertia)| Link {
         name: name.into(),
         joint: Joint {
@@ -517,74 +524,74 @@ fn machine() -> Recording {
             way,
             at: [0.0; 2],
             angle: 0.0,
-            friction: 0.02,
-            damping: 0.01,
+            friction: FRICTION.0,
+            damping: FRICTION.1,
         },
         mass,
         center: [0.0, center],
         inertia: Inertia::Center(inertia),
         counterweight: None,
     };
-    let gauge = |column: &str, shows| Gauge {
+    let gauge = |(column, shows): (&str, Shows)| Gauge {
         column: column.into(),
         shows,
     };
-    let place = |axis| Shows::Place {
-        link: 1,
-        at: [0.0, -tip],
-        axis,
-    };
-    let gauges = vec![
-        gauge("arm_rad", Shows::Coordinate(0)),
-        gauge("slide_m", Shows::Coordinate(1)),
-        gauge(
-            "tilt_rad",
-            Shows::Angle {
-                link: 1,
-                back: true,
-            },
-        ),
-        gauge("tip_x_m", place(0)),
-        gauge("tip_y_m", place(1)),
+    let (link, at, back) = (1, [0.0, TIP], true);
+    let gauges = [
+        ("arm_rad", Shows::Coordinate(0)),
+        ("slide_m", Shows::Coordinate(1)),
+        ("tilt_rad", Shows::Angle { link, back }),
+        ("tip_x_m", Shows::Place { link, at, axis: 0 }),
+        ("tip_y_m", Shows::Place { link, at, axis: 1 }),
     ];
     let drive = |column: &str, joint| Drive {
         column: column.into(),
         joint,
     };
-    let mechanism = Mechanism {
+    let (stiffness, from) = SPRING;
+    let side = Side::Both;
+    Mechanism {
         name: "arm".into(),
         gravity: -DOWN,
         links: vec![
-            part("arm", None, Way::Turns { back: false }, turning),
-            part("slide", Some(0), Way::Slides([0.0, -1.0]), sliding),
+            part("arm", None, Way::Turns { back: false }, PARTS[0]),
+            part("slide", Some(0), Way::Slides([0.0, -1.0]), PARTS[1]),
         ],
         springs: vec![Spring {
             joint: 1,
             law: Law::Linear {
                 stiffness,
                 from,
-                side: Side::Both,
+                side,
             },
         }],
         drives: vec![drive("arm_nm", 0), drive("slide_n", 1)],
-        gauges,
-    };
+        gauges: gauges.map(gauge).into(),
+    }
+}
+
+/// The arm as bodies.
+fn arm() -> sim_check::Mechanism {
     let mut tree = sim_check::Tree::default();
     let joints = [
         sim_check::Joint::Revolute(Vec3::y()),
         sim_check::Joint::Prismatic(-Vec3::z()),
     ];
-    for (k, (joint, (mass, center, inertia))) in
-        joints.into_iter().zip([turning, sliding]).enumerate()
-    {
-        tree.add(link(k.checked_sub(1), joint, 0.0, mass, center, inertia))
-            .expect("a body");
+    for (k, (joint, (mass, center, inertia))) in joints.into_iter().zip(PARTS).enumerate() {
+        let body = link(k.checked_sub(1), joint, 0.0, mass, center, inertia);
+        tree.add(body).expect("a body");
     }
-    let mut body = sim_check::Mechanism::new(tree, Vec3::z() * DOWN);
-    for joint in &mut body.joints {
-        (joint.friction, joint.damping) = (0.02, 0.01);
+    let mut arm = sim_check::Mechanism::new(tree, Vec3::z() * DOWN);
+    for joint in &mut arm.joints {
+        (joint.friction, joint.damping) = FRICTION;
     }
-    body.joints[1].spring = (stiffness, from);
+    arm.joints[1].spring = SPRING;
+    arm
+}
+
+/// Swings of the arm, one of them under a constant torque and force.
+fn machine() -> Recording {
+    let mut arm = arm();
     let columns = [
         "arm_rad", "slide_m", "tilt_rad", "tip_x_m", "tip_y_m", "arm_nm", "slide_n",
     ];
@@ -592,10 +599,10 @@ fn machine() -> Recording {
     let run = |(start, push): (&Vec<f64>, [f64; 2])| {
         let time: Vec<f64> = (0..301).map(|row| 5e-3 * f64::from(row)).collect();
         let mut values = vec![Vec::new(); columns.len()];
-        body.forces = push.to_vec();
-        moved(&body, start, &time, |sim| {
+        arm.forces = push.to_vec();
+        moved(&arm, start, &time, |sim| {
             let q = sim.coordinates();
-            let tip = sim.pose().frames[1].point(&(Vec3::z() * -tip));
+            let tip = sim.pose().frames[1].point(&(Vec3::z() * TIP));
             let row = [q[0], q[1], -q[0], tip.x, tip.z, push[0], push[1]];
             for (column, value) in values.iter_mut().zip(row) {
                 column.push(value);
@@ -616,7 +623,7 @@ fn machine() -> Recording {
     Recording {
         name: "arm".into(),
         experiment: Experiment {
-            mechanism: Some(mechanism),
+            mechanism: Some(described()),
             ..experiment(Sort::Machine, &columns, runs)
         },
         robot: None,

@@ -15,6 +15,7 @@ mod machines;
 mod models;
 mod parkour;
 mod planar;
+mod predictions;
 mod reference;
 mod routes;
 mod slip;
