@@ -5,6 +5,7 @@ mod ball_known;
 mod boom;
 mod columns;
 mod controller;
+mod corrections;
 mod diagnosis;
 mod documents;
 mod hardened;
