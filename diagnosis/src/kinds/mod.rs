@@ -221,9 +221,12 @@ const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
+
+    use crate::experiment::Run;
     use crate::fit;
-    use crate::layout::{Draw, Layout};
-    use crate::spec::Source;
+    use crate::layout::{Draw, Layout, SUPPLY, round};
+    use crate::sensor::Sensor;
 
     /// Readings that a sensor with one fault makes, exact but for that.
     fn read(layout: &Layout, kind: &dyn Kind, cause: usize, size: f64) -> Experiment {
@@ -242,47 +245,148 @@ mod tests {
         read
     }
 
-    /// Whoever corrects a column by what is said of its sensor, whether it is predicted or drives the
-    /// model, has data of which nothing is wrong.
-    #[test]
-    fn a_column_corrected_by_its_fault_is_right() {
-        let mut tried = 0;
-        let modelled = |sort: &Sort| matches!(sort.spec().synthesis.source, Source::Model);
-        for sort in Sort::ALL.into_iter().filter(modelled) {
-            let layout = Layout::new(sort, false, Some(2), &mut Draw::new(5));
-            let robot = sort
-                .spec()
-                .robot
-                .map(|name| saltus_robot::resolve(name, &[]));
-            let robot = robot.transpose().expect("built in");
-            let kind = build(&layout.experiment, robot.as_ref()).expect("a model");
-            for (k, cause) in kind.causes().iter().enumerate() {
-                let (Some(column), Some(fault)) = (&cause.column, cause.fault) else {
-                    continue;
-                };
-                let parameter = &cause.parameters[0];
-                let size = match fault {
-                    Fault::Gain => 1.1,
-                    Fault::Offset => 20.0 * parameter.scale,
-                    // A column that is late is not corrected row by row.
-                    Fault::Delay | Fault::Held => continue,
-                };
-                let mut data = read(&layout, kind.as_ref(), k, size);
-                let sensor = crate::sensor::Sensor::default().with(fault, size);
-                let column = data.column(column).expect("a column");
-                for run in &mut data.runs {
-                    for value in &mut run.values[column] {
-                        *value = sensor.truth(*value);
+    /// Rows by which a late sensor is late.
+    const LATE: f64 = 3.0;
+
+    /// Time (s) from row to row.
+    fn row_step(run: &Run) -> f64 {
+        run.time.get(1).map_or(1.0, |next| next - run.time[0])
+    }
+
+    /// Kinds whose motions take long to fit.
+    const SLOW: [Sort; 3] = [Sort::Hop, Sort::Jump, Sort::TankLeg];
+
+    /// A kind with its robots: hops and jumps on a boom and without.
+    fn cases(sort: Sort) -> Vec<(Sort, Option<Robot>)> {
+        let names = match sort {
+            Sort::Hop | Sort::Jump => vec![Some("rats-boom"), Some("rats-planar")],
+            _ => vec![sort.spec().robot],
+        };
+        let robot = |name| saltus_robot::resolve(name, &[]).expect("built in");
+        let robots = names.into_iter().map(|name| name.map(robot));
+        robots.map(|robot| (sort, robot)).collect()
+    }
+
+    /// Two runs, whose rows are equally far apart; of outcomes eight rows, a run each.
+    fn laid_out(sort: Sort, robot: Option<&Robot>) -> Layout {
+        let runs = if sort == Sort::Outcomes { 1 } else { 2 };
+        let mut layout = Layout::of((sort, robot), false, Some(runs), &mut Draw::new(5));
+        let columns = layout.experiment.columns.len();
+        let step = row_step(&layout.experiment.runs[0]);
+        for k in 0..runs {
+            let late = 0.01 * k as f64;
+            let valve = (0.1, 0.17 + late);
+            match sort {
+                Sort::Hop => layout.put(k, SUPPLY, valve, vec![vec![0.0; 350]; columns]),
+                Sort::Jump => {
+                    layout.put(k, SUPPLY, valve, vec![vec![0.0; 400]; columns]);
+                    let on_boom = robot.is_some_and(|robot| robot.boom.is_some());
+                    layout.unknowns[k] = vec![-0.3 - late, 4.5];
+                    // The side on which the gyro feels the turn of the boom.
+                    layout.unknowns[k].extend(on_boom.then_some(1.0));
+                }
+                _ => {
+                    let time = &mut layout.experiment.runs[k].time;
+                    for (row, time) in time.iter_mut().enumerate() {
+                        *time = round(row as f64 * step);
                     }
                 }
-                let again = build(&data, robot.as_ref()).expect("a model");
-                let fit = fit::fit_none(again.as_ref(), &[0, 1]).expect("a fit");
-                let readings: usize = again.logs().iter().map(|log| log.readings.len()).sum();
-                let left = (fit.loss / readings as f64).sqrt();
-                assert!(left < 0.05, "{sort:?}, {}: {left} of the noise", cause.id);
-                tried += 1;
             }
         }
-        assert!(tried > 20, "{tried} faults");
+        if sort == Sort::Outcomes {
+            let run = layout.experiment.runs.remove(0);
+            for k in 0..8 {
+                let mut run = run.clone();
+                let asked = [
+                    4.0 + 0.2 * f64::from(k),
+                    0.02 * f64::from(k),
+                    0.08,
+                    0.0,
+                    0.0,
+                ];
+                run.values = asked.map(|value| vec![value]).to_vec();
+                layout.experiment.runs.push(run);
+            }
+            layout.unknowns = vec![Vec::new(); 8];
+        }
+        layout
+    }
+
+    /// The experiment with a column corrected by the fault of its sensor. A column that is late by whole
+    /// rows is moved by them, and the last rows, which then lack it, are left out.
+    fn corrected(read: &Experiment, column: usize, sensor: &Sensor) -> Experiment {
+        let mut data = read.clone();
+        for run in &mut data.runs {
+            let late = (sensor.delay + sensor.held) / row_step(run);
+            // A number of rows.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let late = late.round() as usize;
+            let rows = run.time.len() - late;
+            run.values[column].rotate_left(late);
+            for value in &mut run.values[column] {
+                *value = sensor.truth(*value);
+            }
+            run.time.truncate(rows);
+            run.values.iter_mut().for_each(|own| own.truncate(rows));
+        }
+        data
+    }
+
+    /// Root mean square residual (standard deviations of the noise) of the model without a cause.
+    fn residual(data: &Experiment, robot: Option<&Robot>) -> f64 {
+        let kind = build(data, robot).expect("a model");
+        let runs: Vec<usize> = (0..kind.logs().len()).collect();
+        let fit = fit::fit_none(kind.as_ref(), &runs).expect("a fit");
+        let readings: usize = kind.logs().iter().map(|log| log.readings.len()).sum();
+        (fit.loss / readings as f64).sqrt()
+    }
+
+    /// Data of `sorts` with each fault of each sensor, and corrected by it; counts of the faults.
+    fn check_corrections(sorts: impl Iterator<Item = Sort>) -> BTreeMap<String, usize> {
+        let mut tried = BTreeMap::new();
+        for (sort, robot) in sorts.flat_map(cases) {
+            let robot = robot.as_ref();
+            let layout = laid_out(sort, robot);
+            let kind = build(&layout.experiment, robot).expect("a model");
+            for (k, cause) in kind.causes().iter().enumerate() {
+                let (Some(name), Some(fault)) = (&cause.column, cause.fault) else {
+                    continue;
+                };
+                let size = match fault {
+                    Fault::Gain => 1.1,
+                    Fault::Offset => 20.0 * cause.parameters[0].scale,
+                    Fault::Delay | Fault::Held => LATE * row_step(&layout.experiment.runs[0]),
+                };
+                let wrong = read(&layout, kind.as_ref(), k, size);
+                let column = wrong.column(name).expect("a column");
+                let sensor = Sensor::default().with(fault, size);
+                let before = residual(&wrong, robot);
+                let after = residual(&corrected(&wrong, column, &sensor), robot);
+                let case = format!("{sort:?}, {} of {name}: {before}, {after} σ", cause.id);
+                // The start of a flight, which is estimated, takes the place of some faults.
+                assert!(before > 0.3 || sort == Sort::Flight, "{case}");
+                // A late pressure of a leg with a tank loses the last rows of all columns.
+                assert!(after < 0.02, "{case}");
+                *tried.entry(format!("{fault:?}")).or_insert(0) += 1;
+            }
+        }
+        tried
+    }
+
+    /// Whoever corrects a column by what is said of its sensor, whether it is predicted or drives the
+    /// model, has data of which nothing is wrong. Runs are logs of many strides, each a jump.
+    #[test]
+    fn a_column_corrected_by_its_fault_is_right() {
+        let is_quick = |sort: &Sort| !SLOW.contains(sort) && *sort != Sort::Run;
+        let tried = check_corrections(Sort::ALL.into_iter().filter(is_quick));
+        assert!(tried.values().all(|count| *count > 15), "{tried:?}");
+    }
+
+    #[test]
+    #[ignore = "nightly: 3 s"]
+    fn a_column_of_a_robot_corrected_by_its_fault_is_right() {
+        let tried = check_corrections(SLOW.into_iter());
+        assert_eq!(tried["Held"], 8, "{tried:?}");
+        assert!(tried.values().all(|count| *count > 7), "{tried:?}");
     }
 }

@@ -3,7 +3,9 @@
 mod architecture;
 mod ball_known;
 mod boom;
+mod columns;
 mod controller;
+mod corrections;
 mod diagnosis;
 mod documents;
 mod hardened;
@@ -14,6 +16,7 @@ mod machines;
 mod models;
 mod parkour;
 mod planar;
+mod predictions;
 mod reference;
 mod routes;
 mod slip;
