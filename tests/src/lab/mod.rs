@@ -82,6 +82,8 @@ pub struct Rough {
     pub stated: f64,
     /// Span of each column over its noise, in place of the noise and the steps of its sensor.
     pub precision: Option<f64>,
+    /// Which draw of the noise it is.
+    pub draw: u64,
 }
 
 impl Default for Rough {
@@ -92,6 +94,7 @@ impl Default for Rough {
             autocorrelation: 0.0,
             stated: 1.0,
             precision: None,
+            draw: 1,
         }
     }
 }
@@ -246,7 +249,7 @@ pub fn make_rough(kind: Sort, hidden: &[(&str, Size)], rough: &Rough, seed: u64)
     if rough.discrepancy > 0.0 {
         roughen(&columns, &mut logs, rough, &mut Draw::new(seed, 2));
     }
-    let noise = &mut Draw::new(seed, 1);
+    let noise = &mut Draw::new(seed, rough.draw);
     let mut experiment = measured(kind, &columns, logs, rough.autocorrelation, noise);
     for stated in experiment.noise.iter_mut().flatten() {
         *stated *= rough.stated;
