@@ -10,7 +10,7 @@ use crate::next;
 use crate::policy::POLICY;
 use crate::report;
 use crate::residuals::worst;
-use crate::search::{Search, Set, does_something};
+use crate::search::{Search, Set, but, does_something};
 use crate::settings::Settings;
 use crate::stage::Stage;
 use crate::statistics::chi_square;
@@ -19,13 +19,12 @@ use crate::view::View;
 /// Rivals that are named with a cause; the others are less likely. An answer with more names is no answer.
 pub(crate) const MOST_RIVALS: usize = 2;
 
-/// Shares of the work at which sets were explored, and at which they were explored again by what the best
-/// leaves.
+/// Shares of the work that are done after the first exploration of sets, and after those that follow it.
 const EXPLORED: f64 = 0.5;
 const FOLLOWED: f64 = 0.8;
 
-/// Which causes make the model of an experiment wrong; `progress` is told how far it is. None where the
-/// model has no answer at its first guesses.
+/// Causes that make the model of an experiment wrong; none where the model has no answer at its first
+/// guesses. `progress` receives the share of the work that is done.
 pub fn diagnose(
     kind: &dyn Kind,
     settings: &Settings,
@@ -50,14 +49,13 @@ impl Search<'_> {
     /// The most probable set, without causes with which the data are hardly more probable.
     fn claimed(&self) -> Vec<usize> {
         let mut causes = self.best();
-        let but = |causes: &[usize], k: usize| {
-            let mut less = causes.to_vec();
-            less.remove(k);
+        let shorter = |causes: &[usize], k: usize| {
+            let less = but(causes, k);
             let now = self.sets[causes].best();
             let set = self.sets.get(&less)?;
             (set.best() > now - POLICY.claim.ln()).then_some(less)
         };
-        while let Some(less) = (0..causes.len()).find_map(|k| but(&causes, k)) {
+        while let Some(less) = (0..causes.len()).find_map(|k| shorter(&causes, k)) {
             causes = less;
         }
         causes
@@ -83,12 +81,11 @@ impl Search<'_> {
             let Some(now) = loss(&causes) else {
                 return causes;
             };
-            let but = |gone: usize| {
-                let mut less = causes.clone();
-                less.retain(|c| *c != gone);
-                less
+            let less = |gone: usize| {
+                let others = causes.iter().copied().filter(|c| *c != gone);
+                others.collect::<Vec<usize>>()
             };
-            let without = causes.iter().filter_map(|c| Some((loss(&but(*c))?, *c)));
+            let without = causes.iter().filter_map(|c| Some((loss(&less(*c))?, *c)));
             let least = without.min_by(|a, b| a.0.total_cmp(&b.0));
             let least = least.filter(|(loss, _)| *loss <= (1.0 + POLICY.worth) * now);
             let hidden = || {
@@ -100,7 +97,7 @@ impl Search<'_> {
                 let is_little = now > (1.0 - POLICY.explained) * none;
                 return if is_little { Vec::new() } else { causes };
             };
-            let less = but(gone);
+            let less = less(gone);
             if !self.sets.contains_key(&less) {
                 let Some(fitted) = self.without(set.fit.clone(), gone) else {
                     return causes;
@@ -155,10 +152,10 @@ struct Answer<'a> {
     set: &'a Set,
     before: Fit,
     after: Fit,
-    /// The answer fitted by what its noise is worth where readings follow each other.
+    /// The answer, fitted by the noise of `wide`.
     widely: Fit,
     folds: Vec<Fold>,
-    /// Of data left out, by the model before and after.
+    /// Scores of the data left out, by the model before and after.
     scores: [Option<Vec<Score>>; 2],
 }
 
@@ -183,25 +180,25 @@ impl<'a> Answer<'a> {
             fit::refit(&seen, fit, &runs, &None, fit::STEPS)
         };
         let (before, mut after) = (of(&search.sets[&Vec::new()].fit)?, of(&set.fit)?);
-        // One that does nothing, or explains no more than chance would, where the noise that was found is
-        // given is none.
-        let widely = |set: &Set| refitted(&wide, &set.fit);
+        // With the noise as it was found, a cause may do nothing, or explain no more than chance does in 95 %
+        // of cases (likelihood ratio): it is left out.
+        let mut widely = refitted(&wide, &set.fit);
         while let Some((smaller, less)) = (0..causes.len()).find_map(|k| {
-            let less = [&causes[..k], &causes[k + 1..]].concat();
+            let less = but(&causes, k);
             let smaller = search.sets.get(&less)?;
-            let parameters = view.causes()[causes[k]].parameters.len();
-            let by_chance = chi_square(parameters, 0.95);
+            let by_chance = chi_square(view.causes()[causes[k]].parameters.len(), 0.95);
             let is_none = !does_something(view, causes[k], &after)
-                || widely(smaller).loss < widely(set).loss + by_chance;
+                || refitted(&wide, &smaller.fit).loss < widely.loss + by_chance;
             is_none.then_some((smaller, less))
         }) {
             (causes, set, after) = (less, smaller, of(&smaller.fit)?);
+            widely = refitted(&wide, &set.fit);
         }
         let mut answer = Answer {
             view,
             search,
             settings,
-            widely: widely(set),
+            widely,
             seen,
             wide,
             causes,

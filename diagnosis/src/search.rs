@@ -260,8 +260,8 @@ impl<'a> Search<'a> {
         self.settled(fit::refit(self.kind, first, &self.runs, &None, fit::STEPS)?)
     }
 
-    /// Explores sets until none is more probable than the best, while the share of the work that is done goes
-    /// `from` one `to` another.
+    /// Explores sets until none is more probable than the best. The share of the work that is done rises
+    /// between the two of `(from, to)`.
     pub(crate) fn explore(&mut self, (from, to): (f64, f64)) {
         let mut level: Vec<Vec<usize>> = vec![Vec::new()];
         for size in 0..self.most {
@@ -887,11 +887,12 @@ impl Set {
     }
 }
 
-/// A set but for its cause `k`; and but for each of its causes.
-fn but(set: &[usize], k: usize) -> Vec<usize> {
+/// A set without its cause `k`.
+pub(crate) fn but(set: &[usize], k: usize) -> Vec<usize> {
     [&set[..k], &set[k + 1..]].concat()
 }
 
+/// A set without each of its causes in turn.
 fn parts(set: &[usize]) -> impl Iterator<Item = Vec<usize>> {
     (0..set.len()).map(|k| but(set, k))
 }
@@ -1009,8 +1010,8 @@ fn prior_of_size(spec: &Parameter, value: f64, variance: f64) -> f64 {
 }
 
 impl Search<'_> {
-    /// Judges by what the best set leaves, and goes on from there, until that does not change, while the share
-    /// of the work that is done goes `from` one `to` another.
+    /// Takes noise and model error from the residuals of the best set and explores again, until they do not
+    /// change. The share of the work that is done rises between the two of `(from, to)`.
     pub(crate) fn follow(&mut self, (from, to): (f64, f64)) {
         const ROUNDS: usize = 4;
         let share = |round: usize| from + (to - from) * round as f64 / ROUNDS as f64;

@@ -73,7 +73,7 @@ impl Folder {
 }
 
 /// Says what is wrong with the model of an experiment, of `robot` where it is one with a robot;
-/// `progress` is told how far it is.
+/// `progress` receives the share of the work that is done.
 ///
 /// # Errors
 /// [`StudyError`] where data and robot do not go together, or the model has no such motion.
