@@ -59,6 +59,9 @@ pub(crate) struct Expected {
     pub(crate) follows: Vec<f64>,
     /// Over how many readings what is left is alike: so many count as one.
     pub(crate) alike: Vec<f64>,
+    /// Logarithm of the least noise: that of rounding. A column that stands still shows less of it than one
+    /// that moves.
+    least: Vec<f64>,
 }
 
 impl Expected {
@@ -77,11 +80,15 @@ impl Expected {
                 .hypot(by_inputs[c])
         };
         let width = |c: &crate::kind::Channel| if c.is_given { STATED } else { ESTIMATED };
+        /// Logarithm of the least noise of a column that is not rounded, in terms of the stated one.
+        const LEAST: f64 = -5.0;
+        let least = |c: &crate::kind::Channel| (c.step / 12f64.sqrt() / c.noise).ln().max(LEAST);
         Expected {
             amplitude: channels.iter().enumerate().map(amplitude).collect(),
             width: channels.iter().map(width).collect(),
             follows: vec![0.0; channels.len()],
             alike: vec![1.0; channels.len()],
+            least: channels.iter().map(least).collect(),
         }
     }
 
@@ -512,12 +519,13 @@ impl Linear {
     }
 
     /// Logarithm of the odds of something short in what is left, whatever its shape: the greatest sum of
-    /// neighbours, of all windows of 2, 4, 8 … readings (a scan statistic).
-    pub(crate) fn bump(left: &[(usize, Vec<f64>)]) -> f64 {
+    /// neighbours, of all windows of 2, 4, 8 … readings (a scan statistic), beyond what the model of each
+    /// channel may be off by on average over a window.
+    pub(crate) fn bump(left: &[(usize, Vec<f64>)], off: &[f64]) -> f64 {
         /// Logarithm of the odds against it.
-        const AGAINST: f64 = 30.0;
+        const AGAINST: f64 = 10.0;
         let (mut most, mut windows) = (0.0_f64, 0.0);
-        for (_, left) in left {
+        for (channel, left) in left {
             let mut sums = vec![0.0];
             for x in left {
                 sums.push(sums[sums.len() - 1] + x);
@@ -525,8 +533,9 @@ impl Linear {
             let mut length = 2;
             while length <= left.len() / 2 {
                 for end in (length..sums.len()).step_by(length / 2) {
-                    let sum: f64 = sums[end] - sums[end - length];
-                    most = most.max(sum * sum / length as f64);
+                    let mean = (sums[end] - sums[end - length]) / length as f64;
+                    let beyond = (mean.abs() - off[*channel]).max(0.0);
+                    most = most.max(beyond * beyond * length as f64);
                     windows += 1.0;
                 }
                 length *= 2;
@@ -850,8 +859,6 @@ impl Left {
 
     /// The most probable noise and model error.
     fn scatter(&self, channel: usize, expected: &Expected, is_free: bool) -> Scatter {
-        /// Logarithm of the least noise in terms of the stated one.
-        const LEAST: f64 = -5.0;
         if self.count == 0.0 {
             return Scatter {
                 noise: 1.0,
@@ -873,7 +880,7 @@ impl Left {
                         ..best
                     })
                 },
-                (LEAST, most.ln() + 0.5),
+                (expected.least[channel], most.ln() + 0.5),
                 best.noise.ln(),
             )
             .exp();
@@ -1178,7 +1185,7 @@ mod tests {
             let expected = Expected::new(&toy);
             let linear = Linear::new(&toy, &toy.before(), &[], &expected).expect("slopes");
             let likely = linear.evaluate(&[], &expected, true).expect("an answer");
-            Linear::bump(&linear.left(&[], &likely))
+            Linear::bump(&linear.left(&[], &likely), &[0.0])
         };
         assert!(
             bump(0.0) < 0.0 && bump(12.0) > 0.0,

@@ -869,7 +869,10 @@ impl Set {
             .iter()
             .map(|c| kind.causes()[*c].by_prior(fit.terms.of(*c)))
             .sum();
-        let bump = Linear::bump(&linear.left(&active, &free)).max(0.0);
+        let scatter = free.scatter.iter();
+        let off = expected.amplitude.iter().zip(scatter);
+        let off: Vec<f64> = off.map(|(off, scatter)| off / scatter.noise).collect();
+        let bump = Linear::bump(&linear.left(&active, &free), &off).max(0.0);
         let a = listed.log + odds + known;
         let unlisted = POLICY.unlisted.ln();
         let b = free.log + odds + known + unlisted + bump;

@@ -143,6 +143,7 @@ enum Effect {
     Drag,
     Spring,
     Second,
+    Stiffening,
 }
 
 /// Pendulums.
@@ -212,6 +213,7 @@ impl Pendulums {
             drag: self.causes.or(Effect::Drag, 0.0, terms),
             spring: self.causes.or(Effect::Spring, 0.0, terms),
             second: self.causes.or(Effect::Second, 0.0, terms),
+            stiffening: self.causes.or(Effect::Stiffening, 0.0, terms),
         }
     }
 }
@@ -336,10 +338,11 @@ fn terms(body: &Body) -> Vec<(Option<Effect>, Cause)> {
     causes! {
         Effect::Spring => term("torque about the axis, -c theta", "c_n_m_per_rad");
         Effect::Second => term("torque about the axis, -c sin(2 theta)", "c_n_m");
+        Effect::Stiffening => term("torque about the axis, -c theta^3", "c_n_m_per_rad3");
     }
 }
 
-/// The motion: J θ̈ = τ − M sin θ − k θ − c sin 2θ − T sgn θ̇ − b θ̇ − d |θ̇| θ̇.
+/// The motion: J θ̈ = τ − M sin θ − k θ − c sin 2θ − s θ³ − T sgn θ̇ − b θ̇ − d |θ̇| θ̇.
 struct Swing {
     /// J (kg m²).
     inertia: f64,
@@ -355,12 +358,17 @@ struct Swing {
     spring: f64,
     /// c (N m).
     second: f64,
+    /// s (N m).
+    stiffening: f64,
 }
 
 impl Swing {
     /// Longest step (s) from a rate (rad/s).
     fn step(&self, rate: f64) -> f64 {
-        let stiffness = self.moment.abs() + self.spring.abs() + 2.0 * self.second.abs();
+        let stiffness = self.moment.abs()
+            + self.spring.abs()
+            + 2.0 * self.second.abs()
+            + 3.0 * self.stiffening.abs();
         let brake = self.viscous.abs() + 2.0 * (self.drag * rate).abs();
         let by_brake = 2.0 * STEP * self.inertia / brake;
         (STEP * (self.inertia / stiffness).sqrt())
@@ -370,8 +378,8 @@ impl Swing {
 
     /// Torque (N m) but for dry friction.
     fn push(&self, [angle, rate]: [f64; 2], torque: f64) -> f64 {
-        let back =
-            self.moment * angle.sin() + self.spring * angle + self.second * (2.0 * angle).sin();
+        let spring = (self.spring + self.stiffening * angle * angle) * angle;
+        let back = self.moment * angle.sin() + spring + self.second * (2.0 * angle).sin();
         torque - back - (self.viscous + self.drag * rate.abs()) * rate
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::input::Input;
 use super::{
-    Causes, FREE, amount, braked, causes, delay, directional, faults, gain, offset, share, unknown,
+    Causes, FREE, amount, braked, causes, delay, directional, faults, gain, offset, share, simple, unknown,
 };
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter, Terms};
@@ -55,7 +55,7 @@ impl Slides {
         let drives: Vec<Drive> = runs.map(drive).collect();
         let mass_is_known = drives.iter().all(|d| d.mass.is_some());
         Slides {
-            causes: Causes::of(&mut data, listed(mass_is_known), Vec::new()),
+            causes: Causes::of(&mut data, listed(mass_is_known), unnamed()),
             data,
             drives,
             mass_is_known,
@@ -84,6 +84,8 @@ impl Slides {
             ],
             stiffness: self.causes.get(Effect::Spring, 0, terms)?,
             preload: self.causes.get(Effect::Spring, 1, terms)?,
+            stiffening: self.causes.get(Effect::Stiffening, 0, terms)?,
+            tightening: self.causes.get(Effect::Tightening, 0, terms)?,
             start: *unknowns.first()?,
         })
     }
@@ -98,6 +100,19 @@ enum Effect {
     Drag,
     Spring,
     Mass,
+    /// Without a name.
+    Stiffening,
+    Tightening,
+}
+
+/// Terms without a name; x is how far it is from where it starts.
+fn unnamed() -> Vec<(Option<Effect>, Cause)> {
+    let stiffening = simple("force -c x^3", "c_n_per_m3", 0.0, (-1e9, 1e9), 100.0, &[]);
+    let tightening = simple("dry friction c |x|", "c_n_per_m", 0.0, (-1e6, 1e6), 5.0, &[]);
+    causes! {
+        Effect::Stiffening => stiffening;
+        Effect::Tightening => tightening;
+    }
 }
 
 fn listed(mass_is_known: bool) -> Vec<(Option<Effect>, Cause)> {
@@ -144,6 +159,9 @@ struct Guide {
     /// Stiffness (N/m) of a spring and its force (N) at the start.
     stiffness: f64,
     preload: f64,
+    /// Spring of the third order (N/m³), and dry friction (N/m) that grows with the way from the start.
+    stiffening: f64,
+    tightening: f64,
     /// Where (m) it starts.
     start: f64,
 }
@@ -152,9 +170,12 @@ impl Guide {
     /// One step of h (s) under a force (N): the middle of the step gives the forces.
     fn go(&self, [x, v]: [f64; 2], force: f64, h: f64) -> [f64; 2] {
         let middle = x + 0.5 * h * v;
-        let spring = self.stiffness * (middle - self.start) + self.preload;
+        let way = middle - self.start;
+        let spring = self.stiffness * way + self.stiffening * way.powi(3) + self.preload;
         let push = force - spring - self.forward;
-        let next = braked(v, push, self.friction, self.mass, h);
+        let [dry, viscous, drag] = self.friction;
+        let dry = (dry + self.tightening * way.abs()).max(0.0);
+        let next = braked(v, push, [dry, viscous, drag], self.mass, h);
         [x + 0.5 * h * (v + next), next]
     }
 }

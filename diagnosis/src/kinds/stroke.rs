@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use saltus_numeric::statistics::quantile;
 
-use super::{Causes, FREE, amount, causes, directional, faults, gain, offset, unknown};
+use super::{Causes, FREE, amount, causes, directional, faults, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter};
 use crate::layout::{Draw, Layout, count};
@@ -35,6 +35,8 @@ pub struct Strokes {
     causes: Causes<Effect>,
     /// Greatest position (m) of all, from which the extension is counted.
     retracted: f64,
+    /// Speed (m/s) over which friction that falls with speed does so: a quarter of the usual one.
+    slow: f64,
 }
 
 impl Strokes {
@@ -61,8 +63,15 @@ impl Strokes {
             .collect();
         let places = drives.iter().flat_map(|drive| &drive.motion).map(|m| m.0);
         let retracted = places.fold(f64::NEG_INFINITY, f64::max);
+        let speeds: Vec<f64> = drives
+            .iter()
+            .flat_map(|drive| &drive.motion)
+            .map(|m| m.1.abs())
+            .collect();
+        let slow = 0.25 * quantile(&speeds, 0.5).unwrap_or(0.0).max(1e-6);
         Strokes {
-            causes: Causes::of(&mut data, listed(), Vec::new()),
+            causes: Causes::of(&mut data, listed(), unnamed()),
+            slow,
             data,
             drives,
             retracted,
@@ -78,6 +87,20 @@ enum Effect {
     Seal,
     Viscous,
     Spring,
+    /// Without a name.
+    Stribeck,
+    Tightening,
+    Quadratic,
+}
+
+/// Terms without a name.
+fn unnamed() -> Vec<(Option<Effect>, Cause)> {
+    let term = |id, name, scale| simple(id, name, 0.0, (-1e4 * scale, 1e4 * scale), scale, &[]);
+    causes! {
+        Effect::Stribeck => term("dry friction that falls with speed", "c_n", 0.5);
+        Effect::Tightening => term("dry friction c x", "c_n_per_m", 10.0);
+        Effect::Quadratic => term("force on the rod, -c |v| v", "c_n_s2_per_m2", 100.0);
+    }
 }
 
 fn listed() -> Vec<(Option<Effect>, Cause)> {
@@ -179,6 +202,9 @@ impl Kind for Strokes {
         let seal = of(Effect::Seal, 0)?;
         let viscous = of(Effect::Viscous, 0)?;
         let (stiffness, preload) = (of(Effect::Spring, 0)?, of(Effect::Spring, 1)?);
+        let [stribeck, tightening, quadratic] =
+            [Effect::Stribeck, Effect::Tightening, Effect::Quadratic]
+                .map(|effect| self.causes.or(effect, 0.0, terms));
         let mut last = drive.motion.first()?.0;
         let out: Vec<f64> = drive
             .motion
@@ -189,9 +215,14 @@ impl Kind for Strokes {
                 last = x;
                 let end = if moved < 0.0 { -1.0 } else { 1.0 };
                 state = end + (state - end) * (-moved.abs() / way).exp();
-                let dry = coulomb + seal * pressure.max(0.0);
-                let spring = stiffness * (self.retracted - x) + preload;
-                pressure * area + state * dry + forward + viscous * speed - spring
+                let extended = self.retracted - x;
+                let dry = coulomb
+                    + seal * pressure.max(0.0)
+                    + stribeck * (-speed.abs() / self.slow).exp()
+                    + tightening * extended;
+                let spring = stiffness * extended + preload;
+                let braked = (viscous + quadratic * speed.abs()) * speed;
+                pressure * area + state * dry + forward + braked - spring
             })
             .collect();
         Some(out)
