@@ -7,7 +7,7 @@ use saltus_numeric::statistics::percentile;
 
 use crate::fit::{self, Fit};
 use crate::folds::Fold;
-use crate::kind::Kind;
+use crate::kind::{Kind, Terms};
 use crate::settings::Settings;
 
 /// Held-out gain of a channel.
@@ -50,7 +50,11 @@ fn without(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Fit> {
 }
 
 fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
-    let fitted = without(kind, model, fold)?;
+    of_fitted(kind, &without(kind, model, fold)?, fold)
+}
+
+/// What a model with the unknowns of what was left out says of that.
+fn of_fitted(kind: &dyn Kind, fitted: &Fit, fold: &Fold) -> Option<Score> {
     let mask = fold.masks.as_ref().and_then(|(_, test)| test.as_ref());
     let mut score = Score {
         loss: 0.0,
@@ -75,6 +79,25 @@ pub(crate) fn held_out(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Option<V
     parallel::map(folds.len(), |k| score(kind, model, &folds[k]))
         .into_iter()
         .collect()
+}
+
+/// Root mean square (the channel's unit) of what each channel differs from a model with these parameters,
+/// which may be of other data; the unknowns of each run are fitted. None where the model has no answer.
+pub fn left(kind: &dyn Kind, terms: &Terms) -> Option<Vec<f64>> {
+    let runs: Vec<usize> = (0..kind.logs().len()).collect();
+    let model = Fit {
+        terms: terms.clone(),
+        ..Fit::first(kind)
+    };
+    let whole = Fold { runs, masks: None };
+    let model = fit::refit_unknowns(kind, &model, &whole.runs, &None)?;
+    let squares = of_fitted(kind, &model, &whole)?.squares;
+    Some(
+        squares
+            .into_iter()
+            .map(|(sum, n)| (sum / f64::max(n, 1.0)).sqrt())
+            .collect(),
+    )
 }
 
 /// Held-out gain of every channel, from the scores of the model before and after.

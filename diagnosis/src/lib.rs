@@ -51,7 +51,7 @@ pub use estimate::{Combination, Estimate, Estimated, Residual, Undetermined, est
 pub use experiment::{Experiment, Run, Sort};
 pub use finding::{Alone, Candidate, Competitor, Diagnosis, Finding, Fitness, Reported, Unknown};
 pub use fit::Fit;
-pub use gain::Gain;
+pub use gain::{Gain, left};
 pub use kind::{Asked, Cause, Channel, Data, Form, Kind, Log, Parameter, Proposal, Reading, Terms};
 pub use known::{Deviation, Known, KnownError, check_known};
 pub use named::{meaning, named};

@@ -1165,6 +1165,24 @@ mod tests {
         );
     }
 
+    /// Counts of a column that mostly stands still scatter less than their step does; noise does not.
+    #[test]
+    fn rounding_is_the_least_noise() {
+        let toy = Toy::new(&[0.0; ALL], vec![]);
+        let scatter = |toy: &Toy| {
+            let expected = Expected::new(toy);
+            let linear = Linear::new(toy, &toy.before(), &[], &expected).expect("slopes");
+            linear
+                .evaluate(&[], &expected, false)
+                .expect("an answer")
+                .scatter[0]
+                .noise
+        };
+        assert!(scatter(&toy) < 0.1);
+        let counts = toy.rounded_to(0.5 * 12f64.sqrt());
+        assert!((scatter(&counts) - 0.5).abs() < 0.05);
+    }
+
     /// One reading far outside counts less; three in a row that agree count in full.
     #[test]
     fn a_slip_of_the_instrument_stands_alone() {
@@ -1176,7 +1194,7 @@ mod tests {
 
     #[test]
     fn something_short_is_seen_and_noise_is_not() {
-        let bump = |height: f64| {
+        let bump_beyond = |height: f64, off: f64| {
             let mut values = noise(6);
             for x in &mut values[110..114] {
                 *x += height;
@@ -1185,8 +1203,13 @@ mod tests {
             let expected = Expected::new(&toy);
             let linear = Linear::new(&toy, &toy.before(), &[], &expected).expect("slopes");
             let likely = linear.evaluate(&[], &expected, true).expect("an answer");
-            Linear::bump(&linear.left(&[], &likely), &[0.0])
+            Linear::bump(&linear.left(&[], &likely), &[off])
         };
+        let bump = |height: f64| bump_beyond(height, 0.0);
+        assert!(
+            bump_beyond(12.0, 12.0) < 0.0,
+            "the model may be off by as much"
+        );
         assert!(
             bump(0.0) < 0.0 && bump(12.0) > 0.0,
             "{} {}",

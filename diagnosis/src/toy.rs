@@ -95,6 +95,12 @@ impl Toy {
         self
     }
 
+    /// With readings that are rounded to so many σ.
+    pub(crate) fn rounded_to(mut self, step: f64) -> Toy {
+        self.data.channels[0].step = step;
+        self
+    }
+
     /// With a cause changed.
     pub(crate) fn with(mut self, cause: usize, change: impl FnOnce(&mut Cause)) -> Toy {
         change(&mut self.data.causes[cause]);

@@ -576,6 +576,7 @@ mod tests {
         drag: 0.0,
         spring: 0.0,
         second: 0.0,
+        stiffening: 0.0,
     };
 
     /// Turning points (s, rad) of a swing of 10 s from rest at `angle`.
@@ -611,6 +612,25 @@ mod tests {
             let (time, _) = found[9];
             assert!((time / (10.0 * half) - 1.0).abs() < 1e-6, "{angle}: {time}");
         }
+    }
+
+    /// A spring of the third order alone: half the period is √(2 J/s)/A times ∫ du/√(1 + sin² u) over half
+    /// a turn, which is 2.622057….
+    #[test]
+    fn a_spring_of_the_third_order_has_its_period() {
+        let swing = Swing {
+            moment: 0.0,
+            stiffening: 1.5,
+            ..FREELY
+        };
+        let half = (2.0 * swing.inertia / swing.stiffening).sqrt() / 1.1 * 2.622_057_554;
+        let found = turns(&swing, 1.1);
+        assert!(
+            (found[9].0 / (10.0 * half) - 1.0).abs() < 1e-5,
+            "{:?} {half}",
+            found[9]
+        );
+        assert!((found[9].1.abs() - 1.1).abs() < 1e-5);
     }
 
     /// Dry friction takes 2 T of M (cos φ₁ − cos φ₂) = T (φ₁ + φ₂) in each half swing, and holds it

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::input::Input;
 use super::{
-    Causes, FREE, amount, braked, causes, delay, directional, faults, gain, offset, share, simple, unknown,
+    Causes, FREE, amount, braked, causes, delay, directional, faults, gain, offset, share, simple,
+    unknown,
 };
 use crate::experiment::{Experiment, Run, Sort};
 use crate::kind::{Asked, Cause, Data, Kind, Parameter, Terms};
@@ -108,7 +109,14 @@ enum Effect {
 /// Terms without a name; x is how far it is from where it starts.
 fn unnamed() -> Vec<(Option<Effect>, Cause)> {
     let stiffening = simple("force -c x^3", "c_n_per_m3", 0.0, (-1e9, 1e9), 100.0, &[]);
-    let tightening = simple("dry friction c |x|", "c_n_per_m", 0.0, (-1e6, 1e6), 5.0, &[]);
+    let tightening = simple(
+        "dry friction c |x|",
+        "c_n_per_m",
+        0.0,
+        (-1e6, 1e6),
+        5.0,
+        &[],
+    );
     causes! {
         Effect::Stiffening => stiffening;
         Effect::Tightening => tightening;
@@ -461,6 +469,23 @@ mod tests {
         check(&moved(0.0, 0.3, &on), 1e-5, |t| {
             0.1 - low + low * (rate * t).cos() + 0.3 / rate * (rate * t).sin()
         });
+    }
+
+    /// Friction in proportion to the way slows like a spring, and then holds it; a spring of the third order
+    /// turns it round where it has taken its energy.
+    #[test]
+    fn terms_without_a_name_take_their_work() {
+        let (speed, c) = (0.6, 30.0);
+        let rate = f64::sqrt(c / MASS);
+        check(
+            &moved(0.0, speed, &[("dry friction c |x|", 0, c)]),
+            1e-4,
+            |t| 0.1 + speed / rate * (rate * t.min(std::f64::consts::FRAC_PI_2 / rate)).sin(),
+        );
+        let found = moved(0.0, speed, &[("force -c x^3", 0, 400.0)]);
+        let farthest = found.iter().map(|r| r.1).fold(0.0, f64::max);
+        let closed = 0.1 + (2.0 * MASS * speed * speed / 400.0).powf(0.25);
+        assert!((farthest - closed).abs() < 1e-4, "{farthest} {closed}");
     }
 
     #[test]

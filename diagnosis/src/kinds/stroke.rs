@@ -390,6 +390,22 @@ mod tests {
         });
     }
 
+    #[test]
+    fn terms_without_a_name_are_against_the_motion() {
+        check(
+            &beyond(&[("dry friction that falls with speed", 0, 3.0)]),
+            |_, way| way * 3.0 * f64::exp(-4.0),
+        );
+        check(
+            &beyond(&[("force on the rod, -c |v| v", 0, 200.0)]),
+            |_, way| way * 200.0 * SPEED * SPEED,
+        );
+        let retracted = strokes().retracted;
+        check(&beyond(&[("dry friction c x", 0, 100.0)]), |row, way| {
+            way * 100.0 * (retracted - place(row))
+        });
+    }
+
     /// Dahl: from one side to the other by a factor e for each presliding way.
     #[test]
     fn friction_turns_over_within_the_presliding_way() {

@@ -21,6 +21,7 @@ mod reference;
 mod routes;
 mod slip;
 mod strides;
+mod subsets;
 mod tanks;
 mod terms;
 mod thesis;
