@@ -6,7 +6,7 @@
 //! same in all runs; its amplitude is estimated for each channel, with a prior in the unit of the
 //! channel. Parameters and what is not known of a run are integrated out around the fit (Laplace).
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use saltus_numeric::parallel;
 use saltus_numeric::statistics::dot;
 
@@ -429,7 +429,7 @@ impl Linear {
             log: -0.5 * (square + solved.volume) + priors,
             scatter,
             step,
-            covariance: solved.covariance,
+            variance: solved.variances(active.len()),
         })
     }
 
@@ -680,7 +680,7 @@ impl Linear {
             square: system[(n, n)] - slope.dot(&step),
             volume,
             step,
-            covariance: factor.inverse(),
+            factor,
             information,
         })
     }
@@ -820,10 +820,26 @@ fn away(
 struct Solved {
     step: DVector<f64>,
     information: DMatrix<f64>,
-    covariance: DMatrix<f64>,
+    factor: Cholesky<f64, Dyn>,
     square: f64,
     /// Twice the logarithms of all determinants.
     volume: f64,
+}
+
+impl Solved {
+    /// Variances of the first `count` parameters.
+    fn variances(&self, count: usize) -> Vec<f64> {
+        let root = self.factor.l_dirty();
+        let n = root.nrows();
+        let of = |k: usize| {
+            let mut unit = DVector::zeros(n - k);
+            unit[0] = 1.0;
+            root.view((k, k), (n - k, n - k))
+                .solve_lower_triangular_mut(&mut unit);
+            unit.norm_squared()
+        };
+        (0..count).map(of).collect()
+    }
 }
 
 /// What is left of a channel.
@@ -989,8 +1005,8 @@ pub(crate) struct Likely {
     pub(crate) scatter: Vec<Scatter>,
     /// From the fit to the most probable parameters, in their scales: shared ones, then own ones.
     pub(crate) step: DVector<f64>,
-    /// Their covariance.
-    pub(crate) covariance: DMatrix<f64>,
+    /// Variances of the shared ones.
+    pub(crate) variance: Vec<f64>,
 }
 
 #[cfg(test)]

@@ -861,7 +861,7 @@ impl Set {
             let (c, p) = linear.shared[*place];
             if c >= kind.common() {
                 let spec = &kind.causes()[c].parameters[p];
-                odds += prior_of_size(spec, fit.terms.get(c, p), listed.covariance[(k, k)]);
+                odds += prior_of_size(spec, fit.terms.get(c, p), listed.variance[k]);
             }
         }
         let known: f64 = fit
@@ -942,7 +942,7 @@ pub(crate) fn promise(
             if c >= kind.common() && (c != cause || !spec.is_apart()) {
                 let spec = &kind.causes()[c].parameters[p];
                 let value = fit.terms.get(c, p) + likely.step[k] * spec.scale;
-                log += prior_of_size(spec, value, likely.covariance[(k, k)]);
+                log += prior_of_size(spec, value, likely.variance[k]);
             }
         }
         Some((log, likely))
