@@ -66,6 +66,8 @@ pub(crate) struct Expected {
 
 impl Expected {
     pub(crate) fn new(kind: &dyn Kind) -> Expected {
+        /// Logarithm of the least noise of a column that is not rounded, in terms of the stated one.
+        const LEAST: f64 = -5.0;
         let channels = kind.channels();
         let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); channels.len()];
         for reading in kind.logs().iter().flat_map(|log| &log.readings) {
@@ -80,8 +82,6 @@ impl Expected {
                 .hypot(by_inputs[c])
         };
         let width = |c: &crate::kind::Channel| if c.is_given { STATED } else { ESTIMATED };
-        /// Logarithm of the least noise of a column that is not rounded, in terms of the stated one.
-        const LEAST: f64 = -5.0;
         let least = |c: &crate::kind::Channel| (c.step / 12f64.sqrt() / c.noise).ln().max(LEAST);
         Expected {
             amplitude: channels.iter().enumerate().map(amplitude).collect(),
