@@ -38,14 +38,19 @@ fn spectrum(k: usize) -> f64 {
     1.0 / (1.0 + (k as f64 / 3.0).powi(4))
 }
 
-/// Unit cosines over `n` readings.
+/// Unit cosines over `n` readings, by the recurrence of Chebyshev's polynomials.
 pub(crate) fn cosines(n: usize) -> Vec<Vec<f64>> {
-    let of = |k: usize| {
-        let size = if k == 0 { 1.0 } else { 2.0_f64 } / n as f64;
-        let at = |i: usize| (std::f64::consts::PI * k as f64 * (i as f64 + 0.5) / n as f64).cos();
-        (0..n).map(|i| size.sqrt() * at(i)).collect()
-    };
-    (0..WAVES.min(n / 2)).map(of).collect()
+    let size = |k: usize| (if k == 0 { 1.0 } else { 2.0_f64 } / n as f64).sqrt();
+    let mut all = vec![Vec::with_capacity(n); WAVES.min(n / 2)];
+    for i in 0..n {
+        let first = (std::f64::consts::PI * (i as f64 + 0.5) / n as f64).cos();
+        let (mut last, mut now) = (first, 1.0);
+        for (k, wave) in all.iter_mut().enumerate() {
+            wave.push(size(k) * now);
+            (last, now) = (now, 2.0 * first * now - last);
+        }
+    }
+    all
 }
 
 /// Noise of each channel and error of the model, as far as they are known before a fit.
@@ -854,21 +859,29 @@ struct Left {
 impl Left {
     /// Twice the negative logarithm of the probability.
     fn cost(&self, scatter: Scatter) -> f64 {
+        /// A product that further factors must not make infinite.
+        const HUGE: f64 = 1e100;
         let Scatter { noise, amplitude } = scatter;
         let weight = 1.0 / (noise * noise);
         let mut cost = self.square * weight - self.count * weight.ln();
         for k in 0..WAVES {
             let part = amplitude * amplitude * share(k) * weight;
-            let (mut sum, mut size) = (0.0, 0.0);
+            let (mut sum, mut size, mut product) = (0.0, 0.0, 1.0);
             for (count, waves) in self.runs.iter().filter(|run| run.1.len() > k) {
                 let variance = part * count;
                 let (own, all) = ((1.0 - SHARED) * variance, SHARED * variance);
-                let z = waves[k] * weight.sqrt();
-                cost += (1.0 + own).ln() - own / (1.0 + own) * z * z;
-                sum += all.sqrt() / (1.0 + own) * z;
-                size += all / (1.0 + own);
+                let (z, whole) = (waves[k] * weight.sqrt(), 1.0 / (1.0 + own));
+                // One logarithm of many factors.
+                product *= 1.0 + own;
+                if product > HUGE {
+                    cost += product.ln();
+                    product = 1.0;
+                }
+                cost -= own * whole * z * z;
+                sum += all.sqrt() * whole * z;
+                size += all * whole;
             }
-            cost += (1.0 + size).ln() - sum * sum / (1.0 + size);
+            cost += (product * (1.0 + size)).ln() - sum * sum / (1.0 + size);
         }
         cost
     }
