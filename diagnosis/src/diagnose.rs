@@ -53,7 +53,7 @@ impl Search<'_> {
             let less = but(causes, k);
             let now = self.sets[causes].best();
             let set = self.sets.get(&less)?;
-            (set.best() > now - POLICY.claim.ln()).then_some(less)
+            (set.best() > now - POLICY.strong.ln()).then_some(less)
         };
         while let Some(less) = (0..causes.len()).find_map(|k| shorter(&causes, k)) {
             causes = less;
@@ -321,7 +321,7 @@ impl<'a> Answer<'a> {
             }
         }
         others.sort_by(|a, b| b.1.best().total_cmp(&a.1.best()));
-        let limit = POLICY.rival.ln();
+        let limit = POLICY.strong.ln();
         let now = self.set;
         let data = |set: &Set| set.best() - set.known;
         let mut finding = Finding {

@@ -25,11 +25,9 @@ pub struct Policy {
     /// Part of the model's own error that all runs share. Chosen: a fault of the equations repeats, one
     /// of a single run does not.
     pub shared: f64,
-    /// Odds beyond which a cause is claimed: evidence is "strong" from there on (Kass and Raftery, Bayes
-    /// factors, 1995).
-    pub claim: f64,
-    /// Odds below which data do not tell two causes apart: a likelihood ratio of 7 to 1. Chosen.
-    pub rival: f64,
+    /// Odds beyond which a cause is claimed, and below which one is a rival of another: evidence is
+    /// "strong" from there on (Kass and Raftery, Bayes factors, 1995).
+    pub strong: f64,
     /// Part of the loss on data left out that a cause must save where something unknown is left beside
     /// it. Chosen: less is within what the unknown may do.
     pub worth: f64,
@@ -49,8 +47,7 @@ pub const POLICY: Policy = Policy {
     stated: 0.05,
     estimated: 0.3,
     shared: 0.5,
-    claim: 20.0,
-    rival: 7.0,
+    strong: 20.0,
     worth: 0.1,
     contradiction: 5.0,
     explained: 0.5,

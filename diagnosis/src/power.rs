@@ -236,8 +236,8 @@ impl<'a> Outlook<'a> {
         let mut ids = Vec::new();
         for (cause, log) in &logs {
             let Some(cause) = cause else { continue };
-            let is_claimed = logs[0].1 > none + POLICY.claim.ln();
-            let is_near = *log > logs[0].1 - POLICY.rival.ln();
+            let is_claimed = logs[0].1 > none + POLICY.strong.ln();
+            let is_near = *log > logs[0].1 - POLICY.strong.ln();
             let id = if *cause < self.kind.listed() {
                 self.kind.causes()[*cause].id
             } else {

@@ -13,7 +13,7 @@
 //! | `none` | no effect | no answer |
 //! | `clear`, `subtle` | one cause of 6 to 12 σ, of 2 σ | its name |
 //! | `two` | two causes of 6 to 12 σ | both names |
-//! | `outside`, `outside-clear` | one effect off the list of 15 to 30 σ, of 6 to 12 σ | `unknown` |
+//! | `outside`, `outside-clear` | one effect off the list of 15 to 30 σ, of 6 to 12 σ | `unknown`, beside a cause or as its rival |
 //! | `beside` | a cause of 6 to 12 σ and an effect off the list of 15 to 30 σ | its name and `unknown`, or `unknown` alone |
 //! | `huge` | one cause of 100 to 1,000 σ | its name, `unknown`, or both |
 //! | `ar` | no effect, noise with a lag-1 autocorrelation of 0.6 to 0.7 | no answer |
@@ -369,7 +369,9 @@ fn judge(tally: &mut Tally, kind: &dyn Kind, d: &Diagnosis, case: &Case, what: &
         d.unknown.is_some() && (d.findings.is_empty() || is_named())
     };
     match what {
-        "outside" | "outside-clear" => d.unknown.is_some(),
+        "outside" | "outside-clear" => {
+            d.unknown.is_some() || d.findings.iter().any(|f| f.unlisted.is_some())
+        }
         "beside" => is_cautious(),
         "huge" => is_cautious() || verdict::names(d, &case.truth),
         "misstated" => d.findings.is_empty(),
