@@ -25,4 +25,5 @@ mod subsets;
 mod tanks;
 mod terms;
 mod thesis;
+mod variants;
 mod verdicts;
