@@ -245,6 +245,13 @@ fn totals(table: &BTreeMap<(String, String), Tally>) {
     }
 }
 
+/// Noise of its own for every set: one unlucky draw is one set.
+fn draw_of(what: &str, hidden: &[(&str, Size)]) -> u64 {
+    let names = hidden.iter().flat_map(|(id, _)| id.bytes());
+    let all = names.chain(what.bytes());
+    all.fold(1, |hash, b| hash.wrapping_mul(31) + u64::from(b))
+}
+
 fn one(
     table: &mut BTreeMap<(String, String), Tally>,
     name: &str,
@@ -257,13 +264,8 @@ fn one(
     seed: u64,
 ) {
     let start = Instant::now();
-    // Noise of its own for every set: one unlucky draw is one set.
-    let names = hidden.iter().flat_map(|(id, _)| id.bytes());
-    let draw = names
-        .chain(what.bytes())
-        .fold(1, |hash: u64, b| hash.wrapping_mul(31) + u64::from(b));
-    let rough = &Rough { draw, ..*rough };
-    let mut case = lab::make_rough(sort, hidden, rough, seed);
+    let draw = draw_of(what, hidden);
+    let mut case = lab::make_rough(sort, hidden, &Rough { draw, ..*rough }, seed);
     if *what == "huge" && case.truth[0].sigmas < 100.0 {
         return;
     }
