@@ -53,7 +53,7 @@ fn score(kind: &dyn Kind, model: &Fit, fold: &Fold) -> Option<Score> {
     of_fitted(kind, &without(kind, model, fold)?, fold)
 }
 
-/// What a model with the unknowns of what was left out says of that.
+/// Score of a fold, by a model whose unknowns were fitted to that fold.
 fn of_fitted(kind: &dyn Kind, fitted: &Fit, fold: &Fold) -> Option<Score> {
     let mask = fold.masks.as_ref().and_then(|(_, test)| test.as_ref());
     let mut score = Score {
@@ -81,8 +81,8 @@ pub(crate) fn held_out(kind: &dyn Kind, model: &Fit, folds: &[Fold]) -> Option<V
         .collect()
 }
 
-/// Root mean square (the channel's unit) of what each channel differs from a model with these parameters,
-/// which may be of other data; the unknowns of each run are fitted. None where the model has no answer.
+/// Residuals of each channel (root mean square, the channel's unit) with these parameters, which may come
+/// from other data. The unknowns of each run are fitted. None if the model has no answer.
 pub fn left(kind: &dyn Kind, terms: &Terms) -> Option<Vec<f64>> {
     let runs: Vec<usize> = (0..kind.logs().len()).collect();
     let model = Fit {

@@ -1,4 +1,4 @@
-//! What subsets of the runs of a real set say agrees: nobody's answer hangs on which runs were logged.
+//! Diagnoses of subsets of the runs of a real set agree: an answer does not depend on the runs that were logged.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -78,8 +78,8 @@ fn overlap(a: Interval, b: Interval) -> bool {
     above(a.low, b.high) && above(b.low, a.high)
 }
 
-/// By which part of what the model leaves (mean square, of all channels in their own noise) an answer of
-/// some runs makes the predictions of others better.
+/// Fall of the mean square residual of the other runs, as a part of that without a cause, by an answer from
+/// some runs: mean of all channels; 1 is a perfect prediction.
 fn gain(data: &Experiment, others: &[usize], answer: &Study) -> Option<f64> {
     let rest = part(data, others);
     let kind = kinds::build(&rest, None).ok()?;
@@ -117,8 +117,8 @@ fn is_apart(name: &str, runs: [&[usize]; 2], parameter: &str) -> bool {
     APART.iter().any(is)
 }
 
-/// What two answers of a set contradict each other in: a cause that one names without a rival and the other,
-/// which leaves nothing unknown, does not know; or intervals of a parameter that do not overlap.
+/// Contradictions between two answers of a set: one names a cause without a rival, and the other neither has
+/// that cause nor says `unknown`; or intervals of a parameter do not overlap.
 fn contradictions(name: &str, [a, b]: [&(Vec<usize>, Study); 2]) -> Vec<String> {
     let mut all = Vec::new();
     let runs = [&a.0[..], &b.0[..]];
@@ -153,9 +153,9 @@ fn contradictions(name: &str, [a, b]: [&(Vec<usize>, Study); 2]) -> Vec<String> 
     all
 }
 
-/// Every subset of two runs or more says what the others say, or that something is unknown. What it says
-/// predicts runs that were left out at least half as much better as the best subset's answer does, in nine of
-/// ten subsets: one that says nothing gains nothing. Of the four chambers each is another one.
+/// Subsets of two or more runs do not contradict each other. In nine of ten subsets, the gain on the runs that
+/// were left out is at least half of the best subset's gain. The gain of `air-chambers` is not compared: each
+/// of its runs is of another chamber.
 #[test]
 #[ignore = "nightly: 6 min"]
 fn subsets_of_real_runs_agree() {
@@ -167,7 +167,7 @@ fn subsets_of_real_runs_agree() {
         let mut told: Vec<(Vec<usize>, Study)> = Vec::new();
         let mut gains = Vec::new();
         for runs in subsets(n) {
-            // A subset without an effect on its readings is no experiment.
+            // A subset that is refused as an experiment has no answer.
             let Ok(found) = study(&part(&data, &runs), None, &settings, &|_| ()) else {
                 continue;
             };
