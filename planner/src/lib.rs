@@ -22,7 +22,7 @@ pub use flight::JumpFlight;
 pub use jump::{Jump, Sensitivity};
 pub use law::{Law, LawPoint};
 pub use map::{Map, MapRequest, Spot, SpotResult};
-pub use model::{Instant, JumpModel, Steered, Traced, widen};
+pub use model::{Instant, JumpModel, Steered, Traced, spare_of, widen};
 pub use planar::{PLANNING_TOLERANCE, Planar, flight_after};
 pub use planner::Planner;
 pub use table::{

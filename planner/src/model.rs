@@ -1,8 +1,8 @@
 //! The seam between a planner and what makes a robot jump.
 
-use saltus_lagrangian::{Launch, StanceError};
-use saltus_numeric::Dual;
-use saltus_robot::Robot;
+use saltus_lagrangian::{Launch, LiftOff, Outcome, StanceError};
+use saltus_numeric::{Dual, Single};
+use saltus_robot::{Leg, Robot};
 
 use crate::course::Slope;
 use crate::flight::JumpFlight;
@@ -46,6 +46,12 @@ pub trait JumpModel: Sync {
     /// As [`jump`](JumpModel::jump).
     fn sensitive_jump(&self, launch: &Launch) -> Result<Jump<Dual<4>>, StanceError>;
 
+    /// How much longer (s) than the stance the valve of a jump is open; negative where it shuts
+    /// before the lift-off. Of a leg without a valve it says nothing.
+    fn spare(&self, jump: &Jump) -> f64 {
+        spare_of(&self.robot().leg, jump.launch.valve_open, &jump.stance)
+    }
+
     /// One jump with the whole of its stance.
     ///
     /// # Errors
@@ -86,6 +92,8 @@ pub struct Steered {
     pub flight: JumpFlight<Slope>,
     /// Friction coefficient that the stance needs, where it was asked for.
     pub friction_needed: Option<Slope>,
+    /// As [`JumpModel::spare`].
+    pub spare: Slope,
 }
 
 /// The wheel's centre at an instant of a stance.
@@ -98,6 +106,20 @@ pub struct Instant<S> {
     /// Velocity (m/s).
     pub velocity: [S; 2],
 }
+
+/// How much longer (s) than the stance that ended so the valve of `leg` is open; of a leg that has
+/// no force once its valve is shut, and so lifts off there, as of one whose valve shuts [`EARLY`].
+pub fn spare_of<S: Single>(leg: &Leg, valve_open: S, end: &LiftOff<S>) -> S {
+    let spare = end.time_fire + valve_open + S::of(leg.shutting_delay()) - end.time;
+    if end.outcome == Outcome::Force && spare.value().abs() < 1e-9 {
+        S::of(-EARLY)
+    } else {
+        spare
+    }
+}
+
+/// Longer (s) than stances are.
+const EARLY: f64 = 100.0;
 
 /// A number with its slopes by firing angle and valve opening time, as one that could also depend
 /// on the foothold.

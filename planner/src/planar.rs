@@ -10,7 +10,7 @@ use saltus_robot::{Robot, Term};
 use crate::course::Slope;
 use crate::flight::JumpFlight;
 use crate::jump::Jump;
-use crate::model::{Instant, JumpModel, Steered, Traced, widen};
+use crate::model::{Instant, JumpModel, Steered, Traced, spare_of, widen};
 
 /// Error tolerance of the planner's stances: apex and landing are then right to nine digits
 /// (`bench/README.md` says how it is measured).
@@ -190,6 +190,7 @@ impl JumpModel for Planar {
             extension: widen(end.extension),
             flight: JumpFlight::Exact(flight),
             friction_needed: friction.map(widen),
+            spare: widen(spare_of(&self.robot.leg, launch.valve_open, &end)),
         })
     }
 

@@ -21,7 +21,7 @@ use saltus_ballistic::{FlightSample, SampledFlight};
 use saltus_lagrangian::{Launch, LiftOff, Outcome, StanceError};
 use saltus_numeric::Dual;
 use saltus_planner::course::Slope;
-use saltus_planner::{Instant, Jump, JumpFlight, JumpModel, Steered, Traced, widen};
+use saltus_planner::{Instant, Jump, JumpFlight, JumpModel, Steered, Traced, spare_of, widen};
 use saltus_robot::{Drive, Robot};
 use saltus_sim_check::{End, Plan, Report, Rig, Sample, Settings, SimError};
 
@@ -373,6 +373,7 @@ impl JumpModel for Simulated {
                 SampledFlight::new(samples.into_iter().map(wide).collect()).ok()?,
             ),
             friction_needed: with_friction.then(friction).flatten(),
+            spare: widen(spare_of(&self.robot().leg, launch.valve_open, &stance)),
         })
     }
 

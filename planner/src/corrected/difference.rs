@@ -109,7 +109,17 @@ impl<S: Single> Difference<S> {
         (needed + self.0[FRICTION]).max(S::of(0.0))
     }
 
+    /// The end of a stance, corrected.
     pub(super) fn stance(&self, end: &LiftOff<S>) -> LiftOff<S> {
+        self.added(end, S::of(1.0))
+    }
+
+    /// The end of a stance as it was before it was corrected.
+    pub(super) fn without(&self, end: &LiftOff<S>) -> LiftOff<S> {
+        self.added(end, S::of(-1.0))
+    }
+
+    fn added(&self, end: &LiftOff<S>, part: S) -> LiftOff<S> {
         let was = lift_off(end);
         let [
             time_fire,
@@ -123,7 +133,7 @@ impl<S: Single> Difference<S> {
             y,
             vx,
             vy,
-        ] = std::array::from_fn(|k| was[k] + self.0[k]);
+        ] = std::array::from_fn(|k| was[k] + part * self.0[k]);
         LiftOff {
             outcome: end.outcome,
             time_fire,

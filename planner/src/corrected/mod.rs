@@ -4,7 +4,7 @@ mod difference;
 mod kriging;
 
 use saltus_lagrangian::{Launch, Outcome, StanceError};
-use saltus_numeric::{Dual, Single};
+use saltus_numeric::{Dual, Scalar, Single};
 use saltus_robot::Robot;
 
 use crate::course::{Slope, Span};
@@ -425,6 +425,21 @@ impl JumpModel for Corrected {
         Ok(self.corrected(Jump { launch, ..jump }, difference.as_ref()))
     }
 
+    fn spare(&self, jump: &Jump) -> f64 {
+        let difference = self.difference(&jump.launch);
+        let stance = match difference.filter(|_| jump.flight.is_some()) {
+            Some(difference) => difference.without(&jump.stance),
+            None => jump.stance,
+        };
+        let launch = self.timed(jump.launch);
+        let planar = Jump {
+            launch,
+            stance,
+            flight: None,
+        };
+        self.planar.spare(&planar) / self.quickness
+    }
+
     fn traced(&self, launch: &Launch) -> Result<Traced, StanceError> {
         let Traced {
             jump,
@@ -456,6 +471,7 @@ impl JumpModel for Corrected {
                 extension: steered.extension,
                 flight: steered.flight,
                 friction_needed: steered.friction_needed,
+                spare: steered.spare,
             });
         };
         if self.stays(&values(launch)).is_some() {
@@ -468,6 +484,7 @@ impl JumpModel for Corrected {
             extension: difference.extension(steered.extension),
             flight: JumpFlight::Sampled(flight),
             friction_needed: steered.friction_needed.map(|x| difference.friction(x)),
+            spare: steered.spare * Slope::of(1.0 / self.quickness),
         })
     }
 

@@ -18,13 +18,14 @@ pub(crate) fn least_cost(jumper: &dyn Jumper, course: &Course, settings: &Settin
             if choice.windows[last].is_empty() {
                 return None;
             }
-            let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
+            let mut problem = Problem::new(jumper, course, &choice, settings.sigmas);
             let start = evenly(&problem, course);
             let report = problem.settle(
                 &start,
                 &settings.solver,
                 |p, _| p.choice.clone(),
                 |p, x| sqp::solve(p, x, &settings.solver),
+                |_, _| None,
             );
             (report.violation <= settings.solver.feasibility).then_some(report.cost)
         });

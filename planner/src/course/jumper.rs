@@ -26,6 +26,20 @@ pub struct Edge {
     pub side: Side,
 }
 
+/// How long the leg pushes, where that makes the results of a jump kink or leap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Push {
+    /// As the decisions say.
+    #[default]
+    Any,
+    /// To the end of the stance, whatever longer a decision says.
+    Whole,
+    /// Not to the end of the stance.
+    Part,
+    /// Not even until the leg has moved to its stop: its force falls to nothing before.
+    Short,
+}
+
 /// One jump of a choice: from a ground to a ground, over the edges between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leap {
@@ -42,6 +56,8 @@ pub struct Leap {
     /// Sides of obstacles beside the ground of the foothold that rise above it and are within the
     /// jumper's [`girth`](Jumper::girth).
     pub beside: Vec<Edge>,
+    /// Which of the jumps over it are meant.
+    pub push: Push,
 }
 
 /// What a margin is about.
@@ -104,8 +120,6 @@ pub struct Sketch {
     pub decisions: [f64; 2],
     /// What it costs.
     pub cost: f64,
-    /// Standard deviation of the landing (m).
-    pub deviation: f64,
 }
 
 /// A foothold and the two decisions of a jump, as directions of derivatives: foothold 0, decisions
@@ -135,6 +149,11 @@ pub trait Jumper {
         0.0
     }
 
+    /// How a jump with these decisions pushes.
+    fn push(&self, _leap: &Leap, _decisions: [f64; 2]) -> Push {
+        Push::Any
+    }
+
     /// Where jump number `jump` has to land (m), beside the course's own limits.
     fn window(&self, _jump: usize) -> Span {
         Span::ALL
@@ -144,10 +163,16 @@ pub trait Jumper {
     /// and already the answer where the jumper can solve this in closed form.
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2];
 
-    /// The cheapest jump from `foot` to `landing` (m), roughly; none if there is none, or if the
-    /// jumper makes no sketches.
-    fn sketch(&self, _leap: &Leap, _foot: f64, _landing: f64) -> Option<Sketch> {
+    /// The cheapest jump from `foot` to `landing` (m) whose landing has a standard deviation of at
+    /// most `scatter` (m), roughly; none if there is none, or if the jumper makes no sketches.
+    fn sketch(&self, _leap: &Leap, _foot: f64, _landing: f64, _scatter: f64) -> Option<Sketch> {
         None
+    }
+
+    /// Decisions all over what is allowed for a jump over `leap`, at which the jumper flies: where the
+    /// solver may start for the nearest course.
+    fn spread(&self, _leap: &Leap) -> Vec<[f64; 2]> {
+        Vec::new()
     }
 
     /// A convex function of the distance from foothold to landing that no allowed jump from within

@@ -7,7 +7,7 @@
 
 use super::choices::{Place, landable, roll};
 use super::terrain::{Ground, Terrain};
-use super::{Course, Jumper, Leap, Span};
+use super::{Course, Jumper, Leap, Push, Span};
 
 /// Distance (m) between points of the lattice, if they are not too many.
 const STEP: f64 = 0.03;
@@ -36,14 +36,15 @@ struct Point {
 }
 
 /// The cheapest way over a lattice of the places of each jump, whose landings keep `sigmas`
-/// standard deviations from the ends of their ground; none if there is no way or the jumper has no
-/// sketches.
+/// standard deviations from the ends of their ground, by jumps that push so; none if there is no way
+/// or the jumper has no sketches.
 pub(super) fn way(
     jumper: &dyn Jumper,
     course: &Course,
     terrain: &Terrain,
     places: &[Vec<Place>],
     sigmas: f64,
+    push: Push,
 ) -> Option<Way> {
     let start = Point {
         ground: 0,
@@ -63,6 +64,7 @@ pub(super) fn way(
             jump,
             is_last: jump + 1 == course.jumps,
             sigmas,
+            push,
         };
         let before = &layers[jump];
         let reached: Vec<Point> = places
@@ -97,6 +99,7 @@ struct Stage<'a> {
     jump: usize,
     is_last: bool,
     sigmas: f64,
+    push: Push,
 }
 
 impl Stage<'_> {
@@ -116,18 +119,29 @@ impl Stage<'_> {
         let mut leap_of = Vec::with_capacity(before.len());
         for (i, origin) in before.iter().enumerate() {
             if i == 0 || origin.ground != before[i - 1].ground {
-                leaps.push(self.terrain.leap(self.jump, self.origin(origin), to));
+                let leap = self.terrain.leap(self.jump, self.origin(origin), to);
+                leaps.push(Leap {
+                    push: self.push,
+                    ..leap
+                });
             }
             leap_of.push(leaps.len() - 1);
         }
         let point = |x: f64| {
+            let room = (x - allowed.low).min(allowed.high - x);
+            let scatter = if self.is_exact() || self.sigmas == 0.0 {
+                f64::INFINITY
+            } else {
+                room / self.sigmas
+            };
+            if room < 0.0 {
+                return None;
+            }
             let ways = before.iter().enumerate().filter_map(|(from, origin)| {
                 let leap = &leaps[leap_of[from]];
                 let foot = origin.x + roll(self.jumper, self.jump);
-                let sketch = self.jumper.sketch(leap, foot, x)?;
-                let keep = self.sigmas * sketch.deviation;
-                let is_kept = allowed.width() == 0.0 || allowed.widened(-keep).clamp(x) == x;
-                is_kept.then_some(Point {
+                let sketch = self.jumper.sketch(leap, foot, x, scatter)?;
+                Some(Point {
                     ground,
                     x,
                     cost: origin.cost + sketch.cost,
@@ -144,6 +158,11 @@ impl Stage<'_> {
             .chain(target)
             .filter_map(point)
             .collect()
+    }
+
+    /// Whether the jump has to land in one exact place.
+    fn is_exact(&self) -> bool {
+        self.is_last && self.course.goal.width() == 0.0
     }
 
     /// The ground that a jump starts from.

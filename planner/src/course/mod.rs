@@ -29,8 +29,8 @@ mod task;
 mod terrain;
 
 pub use envelope::Envelope;
-pub use jumper::{Edge, Flight, Jumper, Leap, Limit, Margin, Side, Sketch, Slope};
-pub use nearest::{Give, Relief};
+pub use jumper::{Edge, Flight, Jumper, Leap, Limit, Margin, Push, Side, Sketch, Slope};
+pub use nearest::{FRICTION, Give, Relief};
 pub use search::{Answer, Jump, Plan, Settings, Standing, Watch, plan, plan_watched};
 pub use span::Span;
 pub use task::{Course, CourseError, MAX_JUMPS, Obstacle};

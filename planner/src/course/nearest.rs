@@ -1,7 +1,8 @@
 //! The nearest course that has a plan.
 //!
-//! For a choice of grounds the course is made elastic: its obstacles may sink, its grounds may grow
-//! and its goal may move, at a price of 1 per metre, while the robot stays what it is. The choice
+//! For a choice of grounds the course is made elastic: its obstacles may sink, its grounds may grow,
+//! its goal may move and its friction may rise, at a price of 1 per metre and per unit of the
+//! coefficient, while the robot stays what it is. The choice
 //! with the least sum is the answer.
 
 use super::choices::landable;
@@ -18,7 +19,8 @@ pub struct Give {
     /// What it is about. A landing's ends are those of the ground chosen for it; of an obstacle it
     /// is the limit that its height violates most.
     pub limit: Limit,
-    /// By how much (m). An obstacle is lower by it; the goal moves by it, positive forward.
+    /// By how much (m; a friction coefficient without unit). An obstacle is lower by it; the goal moves
+    /// by it, positive forward; the ground holds better by it.
     pub amount: f64,
 }
 
@@ -49,6 +51,9 @@ impl Relief {
 /// much longer a choice.
 const CHOICES: usize = 200;
 
+/// The limit of the ground's friction, which gives as well.
+pub const FRICTION: Limit = Limit::Robot("friction");
+
 /// Gives (m) below this are round-off.
 const ROUND_OFF: f64 = 1e-7;
 
@@ -74,20 +79,19 @@ pub(super) fn nearest(
     let mut best = Relief::none();
     let mut chosen = None;
     for choice in choices(jumper, course, &terrain, CHOICES / course.jumps) {
-        let mut problem = Problem::new(jumper, course.start, &choice, settings.sigmas);
-        problem.ends_exactly |= course.goal.width() == 0.0;
-        let solve = |problem: &Problem<'_>, x: &[f64]| {
-            sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
-        };
-        let sunk = |problem: &Problem<'_>, x: &[f64]| {
-            let elastic = Elastic::new(problem, course, goal);
-            elastic.sunk(&x[elastic.depths_from()..])
-        };
         let mut is_better = false;
-        for place in ends(course, &choice, goal) {
-            let start =
-                Elastic::new(&problem, course, goal).first(evenly_to(&problem, course, place));
-            let report = problem.settle(&start, &settings.solver, sunk, solve);
+        for decisions in starts(jumper, course, &choice, goal, settings) {
+            let pushed = choice.pushed(jumper, &decisions);
+            let mut problem = Problem::new(jumper, course, &pushed, settings.sigmas);
+            let solve = |problem: &Problem<'_>, x: &[f64]| {
+                sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
+            };
+            let sunk = |problem: &Problem<'_>, x: &[f64]| {
+                let elastic = Elastic::new(problem, course, goal);
+                elastic.sunk(&x[elastic.depths_from()..])
+            };
+            let start = Elastic::new(&problem, course, goal).first(decisions);
+            let report = problem.settle(&start, &settings.solver, sunk, solve, |_, _| None);
             let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
             if relief.total < best.total - ROUND_OFF {
                 (best, is_better) = (relief, true);
@@ -100,21 +104,56 @@ pub(super) fn nearest(
     (best, chosen)
 }
 
-/// Where the last jump lands in the solver's starts (m): at the target; of a single jump, at both
-/// ends of where it may too.
-fn ends(course: &Course, choice: &Choice, goal: Span) -> Vec<Option<f64>> {
-    let mut places = vec![None];
-    if let [window] = choice.windows[..]
-        && course.goal.width() > 0.0
-    {
-        let window = if window.meet(goal).is_empty() {
-            window
-        } else {
-            window.meet(goal)
-        };
-        places.extend([window.low, window.high].map(Some));
+/// The solver's starts. The last jump lands at the target; a single one at both ends of where it may
+/// too, and with half the push as well.
+fn starts(
+    jumper: &dyn Jumper,
+    course: &Course,
+    choice: &Choice,
+    goal: Span,
+    settings: &Settings,
+) -> Vec<Vec<f64>> {
+    let problem = Problem::new(jumper, course, choice, settings.sigmas);
+    let mut starts = vec![evenly(&problem, course)];
+    if let [window] = choice.windows[..] {
+        if course.goal.width() > 0.0 {
+            let within = window.meet(goal);
+            let window = if within.is_empty() { window } else { within };
+            let ends = [window.low, window.high];
+            starts.extend(ends.map(|place| evenly_to(&problem, course, Some(place))));
+        }
+        let half = jumper.decisions(0)[1].low;
+        let halved: Vec<_> = starts
+            .iter()
+            .map(|x| vec![x[0], f64::midpoint(x[1], half)])
+            .collect();
+        starts.extend(halved);
+        let short = |x: &[f64; 2]| short_by(&problem, course, goal, x);
+        let spread = jumper.spread(&choice.leaps[0]).into_iter();
+        let nearest = spread
+            .map(|x| (short(&x), x))
+            .filter(|(short, _)| short.is_finite())
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        starts.extend(nearest.map(|(_, x)| x.to_vec()));
     }
-    places
+    starts
+}
+
+/// By how much a single jump misses all that gives, together; infinite where it does not land, or not
+/// on the ground of its choice.
+fn short_by(problem: &Problem<'_>, course: &Course, goal: Span, x: &[f64; 2]) -> f64 {
+    let elastic = Elastic::new(problem, course, goal);
+    let rows = elastic.rows_of(x, &vec![0.0; elastic.sinking.len()]).values;
+    let is_hard = |row: usize| {
+        let limit = elastic.rows.get(row).map(|(_, limit)| limit);
+        limit.is_some_and(|limit| limit.obstacle().is_none()) && !elastic.soft.contains(&row)
+    };
+    let miss = |(row, value): (usize, &f64)| match *value {
+        value if value >= 0.0 => 0.0,
+        value if value.is_nan() || is_hard(row) => f64::INFINITY,
+        value => -value,
+    };
+    rows.iter().enumerate().map(miss).sum()
 }
 
 /// At most `most` sequences of grounds, whatever the robot can do.
@@ -174,6 +213,9 @@ struct Elastic<'a> {
     decisions: usize,
 }
 
+/// Times that the depths of a start are mended.
+const SINKINGS: usize = 6;
+
 /// Step (m) by which an obstacle sinks for the difference that stands for a derivative.
 const SINKING: f64 = 1e-7;
 
@@ -182,7 +224,10 @@ impl<'a> Elastic<'a> {
         let start = evenly(problem, course);
         let rows = problem.rows(&start);
         let last = course.jumps - 1;
-        let gives = |row: &usize| matches!(rows[*row], (jump, Limit::Landing(_)) if jump < last);
+        let gives = |row: &usize| match rows[*row] {
+            (jump, Limit::Landing(_)) => jump < last,
+            (_, limit) => limit == FRICTION,
+        };
         let soft = (0..rows.len())
             .filter(gives)
             .chain([rows.len(), rows.len() + 1])
@@ -245,9 +290,23 @@ impl<'a> Elastic<'a> {
         at
     }
 
-    /// Where the solver starts from the decisions `x`: nothing gives.
+    /// Where the solver starts from the decisions `x`: all gives as far as these jumps ask for.
     fn first(&self, mut x: Vec<f64>) -> Vec<f64> {
-        x.resize(x.len() + self.soft.len() + self.sinking.len(), 0.0);
+        let mut depths = vec![0.0; self.sinking.len()];
+        // A box that is lower by what misses is nearly low enough.
+        for _ in 0..SINKINGS {
+            let values = self.rows_of(&x, &depths).values;
+            for (depth, obstacle) in depths.iter_mut().zip(&self.sinking) {
+                let its_own = self.rows.iter().zip(&values);
+                let its_own = its_own.filter(|row| row.0.1.obstacle() == Some(*obstacle));
+                let least = its_own.map(|row| *row.1).fold(0.0, f64::min);
+                let most = self.course.obstacles[*obstacle].height;
+                *depth = (*depth - least).min(most);
+            }
+        }
+        let values = self.rows_of(&x, &depths).values;
+        x.extend(self.soft.iter().map(|row| (-values[*row]).max(0.0)));
+        x.extend(depths);
         x
     }
 

@@ -4,7 +4,7 @@ use saltus_numeric::Scalar;
 
 use super::jumper::Slope;
 use super::sqp::{self, Evaluation, Nlp};
-use super::{Flight, Jumper, Leap, Limit, Margin, Side, Span};
+use super::{Course, Flight, Jumper, Leap, Limit, Margin, Side, Span};
 
 /// Where each jump of a course is to take off and to land.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,19 +17,27 @@ pub(super) struct Choice {
     pub(super) grounds: Vec<usize>,
 }
 
+impl Choice {
+    /// The same with the pushes of these decisions.
+    pub(super) fn pushed(&self, jumper: &dyn Jumper, decisions: &[f64]) -> Choice {
+        let mut choice = self.clone();
+        for (leap, x) in choice.leaps.iter_mut().zip(decisions.chunks_exact(2)) {
+            leap.push = jumper.push(leap, [x[0], x[1]]);
+        }
+        choice
+    }
+}
+
 /// The program of a choice: two variables a jump, the footholds follow.
 ///
 /// Rows: the goal if it is exact, then jump after jump the jumper's margins and the landing's
 /// distances from the ends of its window.
 pub(super) struct Problem<'a> {
     pub(super) jumper: &'a dyn Jumper,
-    /// First foothold (m).
-    pub(super) start: f64,
+    pub(super) course: &'a Course,
     pub(super) choice: &'a Choice,
     /// Standard deviations that a landing keeps from the ends of its window.
     sigmas: f64,
-    /// Whether the last jump has to land in one exact place, from which it keeps nothing.
-    pub(super) ends_exactly: bool,
     keeps: Vec<Keep>,
 }
 
@@ -60,21 +68,24 @@ const ROUNDS: usize = 12;
 /// and fro between theirs.
 const LINEAR_ROUNDS: usize = 4;
 
+/// Halvings of the way between a solution that keeps enough and one beyond it that does not.
+const HALVINGS: usize = 12;
+
 /// Part of a decision's range over which the slope of what is kept is taken.
 const DIFFERENCE: f64 = 1e-3;
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(jumper: &'a dyn Jumper, start: f64, choice: &'a Choice, sigmas: f64) -> Self {
-        let ends_exactly = choice
-            .windows
-            .last()
-            .is_some_and(|window| window.width() == 0.0);
+    pub(super) fn new(
+        jumper: &'a dyn Jumper,
+        course: &'a Course,
+        choice: &'a Choice,
+        sigmas: f64,
+    ) -> Self {
         Problem {
             jumper,
-            start,
+            course,
             choice,
             sigmas,
-            ends_exactly,
             keeps: vec![Keep::default(); choice.leaps.len()],
         }
     }
@@ -106,7 +117,7 @@ impl<'a> Problem<'a> {
 
     /// What the landing of a jump with these decisions has to keep (m).
     fn kept(&self, leap: &Leap, decisions: [f64; 2]) -> f64 {
-        if self.sigmas == 0.0 || (self.ends_exactly && leap.jump + 1 == self.choice.leaps.len()) {
+        if self.sigmas == 0.0 || self.ends_exactly(leap.jump) {
             return 0.0;
         }
         self.sigmas * self.jumper.deviation(leap, decisions)
@@ -169,19 +180,34 @@ impl<'a> Problem<'a> {
     /// Solves the program from `x`, whose first variables are the decisions, again and again until
     /// its landings keep what the answer's deviations ask for. A deviation costs far more than a
     /// jump, and so it is not asked for at every step of the solver but once for each solution,
-    /// with its slope. `choice` gives the jumps of a solution.
+    /// with its slope. `choice` gives the jumps of a solution, and `cost` what it costs, if it is
+    /// one.
+    ///
+    /// Where the deviation leaps, a solution may be on the wrong side: the way back to the best one
+    /// is halved then.
     pub(super) fn settle(
         &mut self,
         x: &[f64],
         solver: &sqp::Settings,
         choice: impl Fn(&Self, &[f64]) -> Choice,
         solve: impl Fn(&Self, &[f64]) -> sqp::Report,
+        cost: impl Fn(&mut Self, &[f64]) -> Option<f64>,
     ) -> sqp::Report {
         self.keep(&choice(self, x).leaps, x, 0, 0.0);
         let mut report = solve(self, x);
+        let (mut best, mut beyond): (Option<sqp::Report>, Option<sqp::Report>) = (None, None);
         for round in 1..=ROUNDS {
             let leaps = choice(self, &report.x).leaps;
             let [change, growth] = self.keep(&leaps, &report.x, round, solver.feasibility);
+            let is_cheaper = best.as_ref().is_none_or(|best| report.cost < best.cost);
+            if is_cheaper && report.violation <= solver.feasibility {
+                let place = if growth <= solver.feasibility {
+                    &mut best
+                } else {
+                    &mut beyond
+                };
+                *place = Some(report.clone());
+            }
             // A program that has no solution after a second try hardly gets one by what is kept.
             let is_lost = round > 1 && report.violation > solver.feasibility;
             if change <= solver.feasibility || round == ROUNDS || is_lost {
@@ -190,7 +216,41 @@ impl<'a> Problem<'a> {
             }
             report = solve(self, &report.x);
         }
-        report
+        let Some(mut best) = best else { return report };
+        let Some(beyond) = beyond.filter(|beyond| beyond.cost < best.cost) else {
+            return best;
+        };
+        let mut end = beyond.x;
+        for _ in 0..HALVINGS {
+            let middle: Vec<f64> = best
+                .x
+                .iter()
+                .zip(&end)
+                .map(|(a, b)| f64::midpoint(*a, *b))
+                .collect();
+            match cost(self, &middle).filter(|cost| *cost < best.cost) {
+                Some(cost) => {
+                    best.x = middle;
+                    best.cost = cost;
+                }
+                None => end = middle,
+            }
+        }
+        best
+    }
+
+    /// What the jumps with the decisions `x` cost, if every row holds but for `tolerance` with what
+    /// their own deviations ask for.
+    pub(super) fn cost_where_it_holds(&mut self, x: &[f64], tolerance: f64) -> Option<f64> {
+        for (jump, decisions) in x.chunks_exact(2).enumerate() {
+            self.keep_for(jump, [decisions[0], decisions[1]]);
+        }
+        let mut at = Evaluation::default();
+        self.evaluate(x, &mut at);
+        let (exact, above) = at.values.split_at(self.equalities());
+        let holds = exact.iter().all(|value| value.abs() <= tolerance)
+            && above.iter().all(|value| *value >= -tolerance);
+        (holds && at.cost.is_finite()).then_some(at.cost)
     }
 
     /// Flies jump number `jump`; `margins` gets all its margins.
@@ -234,7 +294,7 @@ impl<'a> Problem<'a> {
     /// Foothold (m) of a jump after a landing.
     pub(super) fn foothold(&self, jump: usize, landing: f64) -> f64 {
         if jump == 0 {
-            self.start
+            self.course.start
         } else {
             landing + self.jumper.roll(jump)
         }
@@ -242,7 +302,7 @@ impl<'a> Problem<'a> {
 
     /// Jump and limit of each row.
     pub(super) fn rows(&self, x: &[f64]) -> Vec<(usize, Limit)> {
-        let (mut rows, mut margins, mut landing) = (Vec::new(), Vec::new(), self.start);
+        let (mut rows, mut margins, mut landing) = (Vec::new(), Vec::new(), self.course.start);
         for (jump, decisions) in x.chunks_exact(2).enumerate() {
             let foot = self.foothold(jump, landing);
             landing = self
@@ -259,9 +319,14 @@ impl<'a> Problem<'a> {
         goal.into_iter().chain(rows).collect()
     }
 
-    /// Whether a jump has to land in one exact place.
+    /// Whether a jump is for a goal that is one exact place, from which it keeps nothing.
+    fn ends_exactly(&self, jump: usize) -> bool {
+        jump + 1 == self.course.jumps && self.course.goal.width() == 0.0
+    }
+
+    /// Whether the goal is a row, and not the window of the landing.
     fn is_exact(&self, jump: usize) -> bool {
-        jump + 1 == self.choice.windows.len() && self.choice.windows[jump].width() == 0.0
+        self.ends_exactly(jump) && self.choice.windows[jump].width() == 0.0
     }
 }
 
@@ -286,7 +351,7 @@ impl Nlp for Problem<'_> {
         // The goal's row goes first and is known last.
         at.values.resize(self.equalities(), 0.0);
         at.jacobian.resize(self.equalities() * n, 0.0);
-        let (mut margins, mut landing) = (Vec::with_capacity(16), self.start);
+        let (mut margins, mut landing) = (Vec::with_capacity(16), self.course.start);
         // Derivatives of the foothold by all decisions.
         let mut foot_slope = vec![0.0; n];
         for (jump, decisions) in x.chunks_exact(2).enumerate() {

@@ -28,7 +28,7 @@ use super::lattice::{self, Way};
 use super::nearest::{Relief, evenly, nearest};
 use super::problem::{Choice, Problem};
 use super::terrain::Terrain;
-use super::{Course, CourseError, Envelope, Jumper, Leap, Span, sqp};
+use super::{Course, CourseError, Envelope, Jumper, Leap, Push, Span, sqp};
 
 /// What watches a search: it is told how far the search is, and may stop it.
 pub type Watch<'a> = dyn Fn(&Standing) -> ControlFlow<()> + 'a;
@@ -214,7 +214,7 @@ const SEARCH_ITERATIONS: usize = 8;
 const SEARCH_RADIUS: f64 = 0.03;
 
 /// Up to so many jumps each choice is solved from all starts, in case that it has several local
-/// optima; unless there is a way over the lattice, which is the best start.
+/// optima; unless there is a way for several jumps over the lattice, which is the best start.
 const THOROUGH: usize = 4;
 
 /// Choices whose cheapest way over the lattice costs more than so many times the cheapest one of
@@ -299,7 +299,7 @@ struct End {
 /// The best decisions so far.
 #[derive(Clone)]
 struct Best {
-    choice: usize,
+    choice: Choice,
     decisions: Vec<f64>,
     cost: f64,
     /// The solver's, where it has already had the last word on these.
@@ -347,7 +347,7 @@ impl Search<'_> {
     /// Looks at what is open until none of it can be better.
     fn run(&mut self) -> End {
         if let Some(start) = self.sequences.start() {
-            if let Some(way) = self.way(&self.sequences.places()) {
+            if let Some(way) = self.way(&self.sequences.places(), Push::Any) {
                 self.cheapest_way = Some(way.cost);
                 self.choices.push(self.sequences.choice(&way.grounds));
                 let choice = self.choices.len() - 1;
@@ -408,13 +408,14 @@ impl Search<'_> {
     }
 
     /// The cheapest way over a lattice of footholds.
-    fn way(&self, places: &[Vec<Place>]) -> Option<Way> {
+    fn way(&self, places: &[Vec<Place>], push: Push) -> Option<Way> {
         lattice::way(
             self.jumper,
             self.course,
             self.sequences.terrain,
             places,
             self.settings.sigmas,
+            push,
         )
     }
 
@@ -429,12 +430,23 @@ impl Search<'_> {
             .zip(&node.windows)
             .map(|(ground, window)| vec![(*ground, *window)])
             .collect();
-        let way = self.way(&places);
+        // A single jump is solved for each push, as each has an optimum of its own; of several the
+        // cheapest way says how each of them pushes.
+        let pushes: &[Push] = if self.course.jumps == 1 {
+            &[Push::Any, Push::Whole, Push::Part, Push::Short]
+        } else {
+            &[Push::Any]
+        };
+        let ways: Vec<Way> = pushes
+            .iter()
+            .filter_map(|push| self.way(&places, *push))
+            .collect();
+        let way = ways.first();
         let is_dear = |way: &Way| {
             self.cheapest_way
                 .is_some_and(|cheapest| way.cost > DEAR * (cheapest + LATTICE_ERROR))
         };
-        let is_given_up = way.as_ref().map_or(self.cheapest_way.is_some(), is_dear);
+        let is_given_up = way.map_or(self.cheapest_way.is_some(), is_dear);
         if is_given_up && self.best.is_some() {
             return Vec::new();
         }
@@ -442,9 +454,9 @@ impl Search<'_> {
         // every limit.
         let mut starts = vec![
             trial.decisions,
-            evenly(&self.problem(node.choice), self.course),
+            evenly(&self.problem(&self.choices[node.choice]), self.course),
         ];
-        starts.extend(way.map(|way| way.decisions));
+        starts.extend(ways.into_iter().rev().map(|way| way.decisions));
         starts
     }
 
@@ -482,13 +494,8 @@ impl Search<'_> {
             .map_or(f64::INFINITY, |b| b.cost - self.settings.gap)
     }
 
-    fn problem(&self, choice: usize) -> Problem<'_> {
-        Problem::new(
-            self.jumper,
-            self.course.start,
-            &self.choices[choice],
-            self.settings.sigmas,
-        )
+    fn problem<'a>(&'a self, choice: &'a Choice) -> Problem<'a> {
+        Problem::new(self.jumper, self.course, choice, self.settings.sigmas)
     }
 
     /// Tries the node's relaxed footholds, then splits it, or solves it where it is too small to be
@@ -498,7 +505,7 @@ impl Search<'_> {
         if trial.cost.is_finite() {
             let decisions = trial.decisions.clone();
             self.offer(Best {
-                choice: node.choice,
+                choice: self.choices[node.choice].pushed(self.jumper, &decisions),
                 decisions,
                 cost: trial.cost,
                 report: None,
@@ -523,7 +530,8 @@ impl Search<'_> {
                 let found = self
                     .solved_first(node.choice, &start)
                     .unwrap_or_else(|| self.solve(node.choice, &start, &self.settings.solver));
-                if found && (self.cheapest_way.is_some() || self.course.jumps > THOROUGH) {
+                let is_led = self.cheapest_way.is_some() && self.course.jumps > 1;
+                if found && (is_led || self.course.jumps > THOROUGH) {
                     break;
                 }
             }
@@ -540,7 +548,8 @@ impl Search<'_> {
     /// Looks for a local optimum of a choice; whether it finds a plan.
     fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) -> bool {
         self.solves += 1;
-        let report = settled(&mut self.problem(choice), decisions, solver);
+        let choice = self.choices[choice].pushed(self.jumper, decisions);
+        let report = settled(&mut self.problem(&choice), decisions, solver);
         let is_plan = report.violation <= self.settings.solver.feasibility;
         if is_plan {
             let is_final =
@@ -564,18 +573,24 @@ impl Search<'_> {
 
     /// The best jumps between the relaxed footholds.
     fn aim(&self, node: &Node) -> Trial {
-        let mut problem = self.problem(node.choice);
+        let choice = &self.choices[node.choice];
         let mut trial = Trial {
             decisions: Vec::new(),
             excess: Vec::new(),
             cost: 0.0,
         };
+        let mut landing = self.course.start;
+        for (leap, [target, _]) in choice.leaps.iter().zip(&node.relaxed) {
+            let foot = landing + roll(self.jumper, leap.jump);
+            trial.decisions.extend(self.jumper.aim(leap, foot, *target));
+            landing = *target;
+        }
+        let choice = choice.pushed(self.jumper, &trial.decisions);
+        let mut problem = self.problem(&choice);
         let (mut margins, mut landing) = (Vec::with_capacity(16), self.course.start);
         for (jump, [target, floor]) in node.relaxed.iter().enumerate() {
             let foot = problem.foothold(jump, landing);
-            let decisions = self
-                .jumper
-                .aim(&self.choices[node.choice].leaps[jump], foot, *target);
+            let decisions = [trial.decisions[2 * jump], trial.decisions[2 * jump + 1]];
             problem.keep_for(jump, decisions);
             let flight = problem.fly(jump, foot, decisions, &mut margins);
             let tolerance = self.settings.solver.feasibility;
@@ -590,7 +605,6 @@ impl Search<'_> {
             };
             trial.excess.push(cost - floor);
             trial.cost += cost;
-            trial.decisions.extend(decisions);
             landing = *target;
         }
         trial
@@ -716,7 +730,7 @@ impl Search<'_> {
 
     /// Lets the solver have the last word on the best decisions.
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
-        let mut problem = self.problem(best.choice);
+        let mut problem = self.problem(&best.choice);
         let solver = &self.settings.solver;
         let solve = || settled(&mut problem, &best.decisions, solver);
         let mut report = best.report.clone().unwrap_or_else(solve);
@@ -725,7 +739,7 @@ impl Search<'_> {
             report.cost = best.cost;
         }
         let (mut jumps, mut margins, mut landing) = (Vec::new(), Vec::new(), self.course.start);
-        for (jump, leap) in self.choices[best.choice].leaps.iter().enumerate() {
+        for (jump, leap) in best.choice.leaps.iter().enumerate() {
             let foot = problem.foothold(jump, landing);
             let decisions = [report.x[2 * jump], report.x[2 * jump + 1]];
             let flight = problem.fly(jump, foot, decisions, &mut margins);
@@ -757,6 +771,7 @@ fn settled(problem: &mut Problem<'_>, decisions: &[f64], solver: &sqp::Settings)
         solver,
         |p, _| p.choice.clone(),
         |p, x| sqp::solve(p, x, solver),
+        |p, x| p.cost_where_it_holds(x, solver.feasibility),
     )
 }
 

@@ -1,6 +1,6 @@
 //! Where a course can be landed on, and what lies between.
 
-use super::{Course, Edge, Jumper, Leap, Obstacle, Side, Span};
+use super::{Course, Edge, Jumper, Leap, Obstacle, Push, Side, Span};
 
 /// A level stretch to land on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,6 +121,7 @@ impl Terrain {
             on: [from.obstacle, to.obstacle],
             edges,
             beside,
+            push: Push::Any,
         }
     }
 }

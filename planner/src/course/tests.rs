@@ -217,6 +217,7 @@ fn the_program_of_a_choice_has_exact_derivatives() {
         on: [None; 2],
         edges,
         beside: vec![],
+        push: Push::Any,
     };
     let leaps = vec![
         leap(0, vec![]),
@@ -230,7 +231,7 @@ fn the_program_of_a_choice_has_exact_derivatives() {
         grounds: vec![],
     };
     let thrower = Thrower { target: 3.0 };
-    let problem = Problem::new(&thrower, 0.0, &choice, 1.0);
+    let problem = Problem::new(&thrower, &course(3, 3.0), &choice, 1.0);
     let x = [2.9, 0.8, 3.1, 0.9, 3.2, 1.0];
     let evaluate = |x: &[f64]| {
         let mut at = Evaluation::default();

@@ -1,7 +1,12 @@
-//! Lower bounds on what a jump costs, from flights sampled over firing angles and valve opening
-//! times.
+//! Lower bounds on what a jump costs, and sketches of jumps, from flights sampled over firing
+//! angles and valve opening times.
 //!
-//! A cell of the samples stands for all jumps between its four corners. It can be used by a jump if
+//! Each firing angle has a valve time at which the valve shuts just as the robot lifts off. A valve
+//! that is open longer changes nothing; one that shuts earlier ends the push within the stroke, and
+//! there the landing's deviation and the friction needed jump. So the samples of each angle are
+//! rows from the shortest valve time to just below that one, and one more row just above it.
+//!
+//! A cell of the samples stands for all jumps between its corners. It can be used by a jump if
 //! one of its corners rises high enough over every edge on the way, from some foothold that also
 //! lets it land where it should; it costs at least what its shortest valve time does. What the
 //! samples cannot see, a change within a cell that no corner shows, the bound cannot see either.
@@ -10,10 +15,10 @@ use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
 use saltus_ballistic::Flight;
-use saltus_lagrangian::Launch;
+use saltus_robot::Outcome;
 
 use super::Crossing;
-use crate::course::{Envelope, Leap, Span};
+use crate::course::{Envelope, Leap, Push, Span};
 use crate::jump::Jump;
 use crate::model::JumpModel;
 use crate::planner::Planner;
@@ -21,32 +26,70 @@ use crate::planner::Planner;
 /// Firing angles that are sampled.
 const ANGLES: usize = 24;
 
-/// Valve times that are sampled: for one jump the solver goes the rest of the way, for several the
-/// bounds have to be close.
-const TIMES: usize = 33;
-const TIMES_OF_ONE: usize = 9;
+/// Rows of valve times that shut within the stroke: for one jump the solver goes the rest of the
+/// way, for several the bounds have to be close.
+const ROWS: usize = 33;
+const ROWS_OF_ONE: usize = 9;
+
+/// By how much (s) a valve outlasts the stance or shuts before its end, so that a coarser model and a
+/// finer one agree which of both it does.
+pub(super) const APART: f64 = 1e-5;
 
 /// Height (m) by which a flight within a cell may be above its corners.
 const SLACK: f64 = 2e-3;
 
+/// Parts of the distances by which sketches are found.
+const BINS: usize = 128;
+
 /// Flights over firing angles and valve times.
 pub(super) struct Grid {
-    /// Valve times (s), ascending.
-    times: Vec<f64>,
     /// Firing angles (rad), ascending.
     angles: Vec<f64>,
-    /// For each valve time its jumps over the firing angles; none where a jump cannot be computed.
-    jumps: Vec<Vec<Option<Jump>>>,
-    /// Standard deviation (m) of the landing at each firing angle, for the middle valve time: worked
-    /// out where a sketch asks for it.
-    deviations: Vec<OnceCell<f64>>,
-    /// For landing heights (m) that were asked for, the distances (m) of the jumps; NaN where they
-    /// do not land.
-    distances: RefCell<Vec<(f64, Rc<Distances>)>>,
+    /// Valve times ascending; those of the last row outlast the stance, or the leg has no valve.
+    rows: Vec<Row>,
+    /// For landing heights (m) that were asked for, how far the jumps go.
+    reached: RefCell<Vec<(f64, Rc<Reached>)>>,
 }
 
-/// Distances (m) by valve time and firing angle.
-type Distances = Vec<Vec<f64>>;
+/// Samples over the firing angles.
+struct Row {
+    push: Push,
+    /// None where this push has no valve time within the limits.
+    samples: Vec<Option<Sample>>,
+}
+
+/// A sampled jump.
+struct Sample {
+    push: Push,
+    /// Valve time (s).
+    time: f64,
+    jump: Jump,
+    /// Standard deviation (m) of the landing and friction needed, once they are asked for.
+    asked: [OnceCell<f64>; 2],
+}
+
+/// How far the jumps go, down to one height.
+struct Reached {
+    /// Distances (m) by row and firing angle; NaN where a jump does not land.
+    distances: Vec<Vec<f64>>,
+    /// Least and greatest of them.
+    span: Span,
+    /// Row and right column of each pair of neighbours that spans a part of the distances, by part;
+    /// shortest valve time first.
+    pairs: Vec<Vec<[usize; 2]>>,
+}
+
+/// A jump that is looked for.
+pub(super) struct Wanted<'a> {
+    pub(super) leap: &'a Leap,
+    /// Foothold and landing (m).
+    pub(super) from_to: [f64; 2],
+    /// As those of [`Within`].
+    pub(super) height: f64,
+    pub(super) rim: f64,
+    /// Greatest standard deviation (m) of the landing, and greatest friction needed.
+    pub(super) most: [f64; 2],
+}
 
 /// What jumps are bounded for.
 pub(super) struct Within<'a> {
@@ -65,113 +108,163 @@ pub(super) struct Within<'a> {
 
 impl Grid {
     pub(super) fn new(planner: &Planner<dyn JumpModel>, crossing: &Crossing, jump: usize) -> Grid {
-        let spread = |span: Span, i: usize, count: usize| {
-            span.low + span.width() * i as f64 / (count - 1) as f64
-        };
-        let count = if crossing.course.jumps == 1 {
-            TIMES_OF_ONE
-        } else {
-            TIMES
-        };
-        let times: Vec<f64> = (0..count)
-            .map(|i| spread(crossing.valve_open, i, count))
-            .collect();
-        let row = |&time: &f64| {
-            let at = |i| {
-                let angle = spread(crossing.firing_angles, i, ANGLES);
-                crossing.launch(jump, [angle, time])
-            };
-            let launches: Vec<Launch> = (0..ANGLES).map(at).collect();
-            planner
-                .jumps(&launches)
-                .into_iter()
-                .map(Result::ok)
-                .collect()
-        };
         let angles: Vec<f64> = (0..ANGLES)
-            .map(|i| spread(crossing.firing_angles, i, ANGLES))
+            .map(|i| part(crossing.firing_angles, i, ANGLES))
             .collect();
-        let jumps = times.iter().map(row).collect();
+        let row = |push: Push, times: &[Option<f64>]| {
+            let launch = |(angle, time): (&f64, &Option<f64>)| {
+                time.map(|time| crossing.launch(jump, [*angle, time]))
+            };
+            let launches: Vec<_> = angles.iter().zip(times).map(launch).collect();
+            let flown = planner.jumps(&launches.iter().flatten().copied().collect::<Vec<_>>());
+            let mut flown = flown.into_iter().map(Result::ok);
+            let sample = |time: &Option<f64>| {
+                let time = (*time)?;
+                let jump = flown.next().flatten()?;
+                Some(Sample {
+                    push: pushed(push, jump.stance.outcome),
+                    time,
+                    jump,
+                    asked: [OnceCell::new(), OnceCell::new()],
+                })
+            };
+            let samples = times.iter().map(sample).collect();
+            Row { push, samples }
+        };
+        let valve = crossing.valve_open;
+        let longest = row(Push::Any, &[Some(valve.high); ANGLES]);
+        let rows = if planner.robot().leg.drive.has_valve() {
+            let shuts = |sample: &Option<Sample>| {
+                let sample = sample.as_ref()?;
+                Some(sample.time - planner.model().spare(&sample.jump))
+            };
+            let shuts: Vec<Option<f64>> = longest.samples.iter().map(shuts).collect();
+            let count = if crossing.course.jumps == 1 {
+                ROWS_OF_ONE
+            } else {
+                ROWS
+            };
+            let within = |k: usize| {
+                let time = |shuts: &Option<f64>| {
+                    let to = shuts.map_or(valve.high, |time| valve.high.min(time - APART));
+                    (to > valve.low).then(|| part(Span::new(valve.low, to), k, count))
+                };
+                row(Push::Part, &shuts.iter().map(time).collect::<Vec<_>>())
+            };
+            let whole = |shuts: &Option<f64>| {
+                shuts
+                    .map(|time| valve.low.max(time + APART))
+                    .filter(|time| *time <= valve.high)
+            };
+            let whole: Vec<_> = shuts.iter().map(whole).collect();
+            let parts = (0..count).map(within);
+            parts.chain([row(Push::Whole, &whole)]).collect()
+        } else {
+            vec![longest]
+        };
         Grid {
-            times,
             angles,
-            jumps,
-            deviations: vec![OnceCell::new(); ANGLES],
-            distances: RefCell::default(),
+            rows,
+            reached: RefCell::default(),
         }
     }
 
-    /// Distances (m) to where the wheel's centre comes down to `height` (m).
-    fn distances(&self, height: f64) -> Rc<Distances> {
+    /// How far the jumps go until the wheel's centre comes down to `height` (m).
+    fn reached(&self, height: f64) -> Rc<Reached> {
         let known = self
-            .distances
+            .reached
             .borrow()
             .iter()
             .find(|(of, _)| *of == height)
             .map(|(_, known)| known.clone());
         known.unwrap_or_else(|| {
-            let distance = |jump: &Option<Jump>| {
-                let jump = jump.as_ref();
-                jump.and_then(|jump| jump.distance(height))
-                    .unwrap_or(f64::NAN)
-            };
-            let distances: Distances = self
-                .jumps
-                .iter()
-                .map(|row| row.iter().map(distance).collect())
-                .collect();
-            let distances = Rc::new(distances);
-            self.distances
-                .borrow_mut()
-                .push((height, distances.clone()));
-            distances
+            let reached = Rc::new(Reached::new(&self.rows, height));
+            self.reached.borrow_mut().push((height, reached.clone()));
+            reached
         })
     }
 
-    /// The sampled jump of the shortest valve time that goes over `leap` from `foot` to `landing`
-    /// (m), between two firing angles; its valve time, with its deviation. `height` and `rim` (m)
-    /// are those of [`Within`]; `deviation` gives the standard deviation (m) of the landing with a
+    /// Least and greatest distance (m) of the sampled jumps down to `height` (m).
+    pub(super) fn span(&self, height: f64) -> Span {
+        self.reached(height).span
+    }
+
+    /// The sampled jumps that push longest, one of each firing angle: firing angle (rad), valve
+    /// time (s), the jump and its distance (m) down to `height` (m).
+    pub(super) fn longest(&self, height: f64) -> impl Iterator<Item = ([f64; 2], &Jump, f64)> {
+        let reached = self.reached(height);
+        (0..ANGLES).filter_map(move |column| {
+            let (row, sample) = (0..self.rows.len())
+                .rev()
+                .find_map(|row| Some((row, self.rows[row].samples[column].as_ref()?)))?;
+            let distance = reached.distances[row][column];
+            let decisions = [self.angles[column], sample.time];
+            (!distance.is_nan()).then_some((decisions, &sample.jump, distance))
+        })
+    }
+
+    /// Firing angle (rad) and valve time (s) of every sampled jump that flies.
+    pub(super) fn decisions(&self) -> impl Iterator<Item = [f64; 2]> {
+        let samples = self
+            .rows
+            .iter()
+            .flat_map(|row| row.samples.iter().zip(&self.angles));
+        samples.filter_map(|(sample, angle)| {
+            let sample = sample.as_ref()?;
+            sample
+                .jump
+                .flight
+                .is_some()
+                .then_some([*angle, sample.time])
+        })
+    }
+
+    /// The sampled jump of the shortest valve time that is as wanted, between two firing angles.
+    /// `ask` gives the standard deviation (m) of the landing (0) or the friction needed (1) with a
     /// firing angle and a valve time.
     pub(super) fn sketch(
         &self,
-        leap: &Leap,
-        [foot, landing]: [f64; 2],
-        height: f64,
-        rim: f64,
-        deviation: impl Fn([f64; 2]) -> f64,
-    ) -> Option<([f64; 2], f64)> {
-        let middle = self.times[self.times.len() / 2];
-        let deviation_at =
-            |i: usize| *self.deviations[i].get_or_init(|| deviation([self.angles[i], middle]));
-        let wanted = landing - foot;
-        for ((time, row), distances) in self
-            .times
-            .iter()
-            .zip(&self.jumps)
-            .zip(self.distances(height).iter())
-        {
-            for i in 1..ANGLES {
-                let (low, high) = (distances[i - 1] - wanted, distances[i] - wanted);
-                if low * high <= 0.0
-                    && low != high
-                    && let (Some(a), Some(b)) = (&row[i - 1], &row[i])
-                    && let (Some(a), Some(b)) = (&a.flight, &b.flight)
-                {
-                    let part = low / (low - high);
-                    let mix = |a: f64, b: f64| a + part * (b - a);
-                    let [a, b] = [a.parabola(), b.parabola()];
-                    let flight = Flight {
-                        x: mix(a.x, b.x),
-                        y: mix(a.y, b.y),
-                        vx: mix(a.vx, b.vx),
-                        vy: mix(a.vy, b.vy),
-                        gravity: a.gravity,
-                    };
-                    if clears(&flight, leap, foot, height, rim) {
-                        let angle = mix(self.angles[i - 1], self.angles[i]);
-                        return Some(([angle, *time], mix(deviation_at(i - 1), deviation_at(i))));
-                    }
-                }
+        wanted: &Wanted<'_>,
+        ask: impl Fn(usize, [f64; 2]) -> f64,
+    ) -> Option<[f64; 2]> {
+        let reached = self.reached(wanted.height);
+        let [foot, landing] = wanted.from_to;
+        let distance = landing - foot;
+        if !(reached.span.low..=reached.span.high).contains(&distance) {
+            return None;
+        }
+        for &[row, column] in &reached.pairs[reached.bin(distance)] {
+            let samples = &self.rows[row].samples;
+            let ends = &reached.distances[row][column - 1..=column];
+            let (low, high) = (ends[0] - distance, ends[1] - distance);
+            let is_between = low * high <= 0.0 && low != high;
+            let (Some(a), Some(b)) = (&samples[column - 1], &samples[column]) else {
+                continue;
+            };
+            let (Some(from), Some(to)) = (&a.jump.flight, &b.jump.flight) else {
+                continue;
+            };
+            let is_wanted = [Push::Any, a.push].contains(&wanted.leap.push);
+            if !is_between || !is_wanted || a.push != b.push {
+                continue;
+            }
+            let part = low / (low - high);
+            let mix = |a: f64, b: f64| a + part * (b - a);
+            let flight = between(&from.parabola(), &to.parabola(), mix);
+            let limited = |which: usize| {
+                let asked = |sample: &Sample, column: usize| {
+                    let at = [self.angles[column], sample.time];
+                    *sample.asked[which].get_or_init(|| ask(which, at))
+                };
+                wanted.most[which] == f64::INFINITY
+                    || mix(asked(a, column - 1), asked(b, column)) <= wanted.most[which]
+            };
+            if clears(&flight, wanted.leap, foot, wanted.height, wanted.rim)
+                && limited(0)
+                && limited(1)
+            {
+                let angle = mix(self.angles[column - 1], self.angles[column]);
+                return Some([angle, mix(a.time, b.time)]);
             }
         }
         None
@@ -181,26 +274,105 @@ impl Grid {
     /// jump.
     pub(super) fn envelope(&self, within: &Within<'_>) -> Option<Envelope> {
         let mut usable: Vec<(Span, f64)> = Vec::new();
-        let known = self.distances(within.height);
-        for (row, time) in self.times.iter().enumerate().take(self.times.len() - 1) {
-            let cost = within.cost[0] + within.cost[1] * time * time;
+        let reached = self.reached(within.height);
+        for (row, Row { push, .. }) in self.rows.iter().enumerate() {
+            // A row that no other of its push follows stands for itself.
+            let next = self.rows.get(row + 1).filter(|next| next.push == *push);
+            if next.is_none() && *push == Push::Part {
+                continue;
+            }
             for column in 1..ANGLES {
-                let corners = [
-                    [row, column - 1],
-                    [row, column],
-                    [row + 1, column - 1],
-                    [row + 1, column],
-                ];
-                let corner = |[row, column]: [usize; 2]| {
-                    let flight = self.jumps[row][column].as_ref()?.flight.as_ref()?;
-                    Some((known[row][column], flight.parabola()))
-                        .filter(|(distance, _)| !distance.is_nan())
+                let corners = [row, row + usize::from(next.is_some())]
+                    .map(|row| [[row, column - 1], [row, column]]);
+                let corners = corners.as_flattened().iter();
+                let mut shortest = f64::INFINITY;
+                let corner = |[row, column]: &[usize; 2]| {
+                    let sample = self.rows[*row].samples[*column].as_ref()?;
+                    let distance = reached.distances[*row][*column];
+                    shortest = shortest.min(sample.time);
+                    let flight = sample.jump.flight.as_ref()?.parabola();
+                    (!distance.is_nan()).then_some((distance, flight))
                 };
-                let reach = within.distances(corners.into_iter().filter_map(corner));
-                usable.extend(reach.map(|distances| (distances, cost)));
+                let distances = within.distances(corners.filter_map(corner));
+                let cost = within.cost[0] + within.cost[1] * shortest * shortest;
+                usable.extend(distances.map(|distances| (distances, cost)));
             }
         }
         below(&usable)
+    }
+}
+
+impl Reached {
+    fn new(rows: &[Row], height: f64) -> Reached {
+        let distance = |sample: &Option<Sample>| {
+            let sample = sample.as_ref();
+            sample
+                .and_then(|sample| sample.jump.distance(height))
+                .unwrap_or(f64::NAN)
+        };
+        let distances: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|row| row.samples.iter().map(distance).collect())
+            .collect();
+        let lands = distances.iter().flatten().filter(|d| !d.is_nan());
+        let span = lands.fold(Span::NONE, |span, d| span.hull(Span::point(*d)));
+        let mut reached = Reached {
+            distances,
+            span,
+            pairs: vec![Vec::new(); BINS],
+        };
+        let time = |row: usize, column: usize| rows[row].samples[column].as_ref().map(|s| s.time);
+        let mut pairs: Vec<(f64, [usize; 2])> = Vec::new();
+        for row in 0..rows.len() {
+            for column in 1..ANGLES {
+                if let (Some(a), Some(b)) = (time(row, column - 1), time(row, column)) {
+                    pairs.push((a.min(b), [row, column]));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, [row, column]) in pairs {
+            let ends = [column - 1, column].map(|column| reached.distances[row][column]);
+            if ends.iter().any(|d| d.is_nan()) {
+                continue;
+            }
+            let bins = ends.map(|d| reached.bin(d));
+            for bin in bins[0].min(bins[1])..=bins[0].max(bins[1]) {
+                reached.pairs[bin].push([row, column]);
+            }
+        }
+        reached
+    }
+
+    /// The part of the distances that `distance` (m) is in.
+    fn bin(&self, distance: f64) -> usize {
+        let share = (distance - self.span.low) / self.span.width();
+        ((share * BINS as f64) as usize).min(BINS - 1)
+    }
+}
+
+/// The push of a jump of a row that ended so.
+pub(super) fn pushed(row: Push, outcome: Outcome) -> Push {
+    if row == Push::Part && outcome == Outcome::Force {
+        Push::Short
+    } else {
+        row
+    }
+}
+
+/// The `i`th of `count` even places in a span, the first at its beginning.
+fn part(span: Span, i: usize, count: usize) -> f64 {
+    span.low + span.width() * i as f64 / (count - 1) as f64
+}
+
+/// A flight whose numbers are mixed from those of two.
+fn between(a: &Flight<f64>, b: &Flight<f64>, mix: impl Fn(f64, f64) -> f64) -> Flight<f64> {
+    Flight {
+        x: mix(a.x, b.x),
+        y: mix(a.y, b.y),
+        vx: mix(a.vx, b.vx),
+        vy: mix(a.vy, b.vy),
+        gravity: a.gravity,
     }
 }
 

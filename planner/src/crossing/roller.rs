@@ -9,16 +9,13 @@ use saltus_numeric::{Dual, Scalar};
 
 use super::Crossing;
 use super::check::clearance;
-use super::grid::{Grid, Within};
+use super::grid::{APART, Grid, Wanted, Within, pushed};
 use super::stance::Path;
-use crate::course::{self, Envelope, Jumper, Leap, Limit, Margin, Sketch, Slope, Span};
+use crate::course::{self, Envelope, Jumper, Leap, Limit, Margin, Push, Sketch, Slope, Span};
 use crate::flight::JumpFlight;
 use crate::jump::Jump;
-use crate::model::{JumpModel, Steered};
+use crate::model::{JumpModel, Steered, widen};
 use crate::planner::Planner;
-
-/// Firing angles at which the reach of the jumps is sampled.
-const SAMPLES: usize = 16;
 
 /// A wheel that is farther than this (m) from what is beside its foothold, at three places of the
 /// stance, does not touch it; how near a wheel that is nearer comes, the whole stance says.
@@ -32,10 +29,7 @@ const REMEMBERED: usize = 3;
 pub(super) struct Roller<'a> {
     planner: &'a Planner<dyn JumpModel>,
     crossing: &'a Crossing,
-    /// For each jump its flights over the firing angles, with the valve open longest and then
-    /// shortest.
-    samples: Vec<[Vec<Jump>; 2]>,
-    /// For each jump its flights over angles and valve times, to bound its cost.
+    /// For each jump its flights over angles and valve times.
     grids: Vec<Rc<Grid>>,
     /// For each jump what came of its last decisions. A foothold changes nothing but the place of a
     /// jump, and so the solver's differences cost one stance for each decision and not one for each
@@ -47,6 +41,10 @@ pub(super) struct Roller<'a> {
 struct Decided {
     /// Firing angle (rad), valve opening time (s) and landing height (m).
     of: [f64; 3],
+    /// How it is to push.
+    push: Push,
+    /// By how much (s) the valve pushes as it is to; negative where it does not.
+    valve: Slope,
     /// The jump; none where the robot does not fly.
     jump: Option<Steered>,
     /// The way of the wheel in the stance, once it was asked for; none without a stance.
@@ -55,25 +53,10 @@ struct Decided {
 
 impl<'a> Roller<'a> {
     pub(super) fn new(planner: &'a Planner<dyn JumpModel>, crossing: &'a Crossing) -> Roller<'a> {
-        let angles = crossing.firing_angles;
         let jumps = crossing.course.jumps;
-        let sample = |jump: usize| {
-            [crossing.valve_open.high, crossing.valve_open.low].map(|valve_open| {
-                let launches: Vec<Launch> = (0..SAMPLES)
-                    .map(|i| angles.low + angles.width() * i as f64 / (SAMPLES - 1) as f64)
-                    .map(|angle| crossing.launch(jump, [angle, valve_open]))
-                    .collect();
-                let flown = planner.jumps(&launches).into_iter();
-                flown.filter_map(Result::ok).collect()
-            })
-        };
         // Jumps at the same rate share their samples.
-        let mut samples: Vec<[Vec<Jump>; 2]> = Vec::new();
         let mut grids: Vec<Rc<Grid>> = Vec::new();
         let twin = |jump: usize| (0..jump).find(|&k| crossing.rate(k) == crossing.rate(jump));
-        for jump in 0..jumps {
-            samples.push(twin(jump).map_or_else(|| sample(jump), |k| samples[k].clone()));
-        }
         for jump in 0..jumps {
             let grid = || Rc::new(Grid::new(planner, crossing, jump));
             grids.push(twin(jump).map_or_else(grid, |k| grids[k].clone()));
@@ -82,7 +65,6 @@ impl<'a> Roller<'a> {
         Roller {
             planner,
             crossing,
-            samples,
             grids,
             remembered,
         }
@@ -91,6 +73,12 @@ impl<'a> Roller<'a> {
     /// Height (m) of the wheel's centre above the foot at the landing.
     fn landing_height(&self, leap: &Leap) -> f64 {
         self.planner.robot().body.radius + leap.to - leap.from
+    }
+
+    /// Height (m) of the wheel's centre above the foot, less an edge's top, at which its rim clears the
+    /// edge.
+    fn rim(&self, leap: &Leap) -> f64 {
+        self.planner.robot().body.radius + self.crossing.clearance - leap.from
     }
 
     /// By how much (m) the wheel's rim is too low where its centre is over `x` (m from the
@@ -104,39 +92,80 @@ impl<'a> Roller<'a> {
         (needed - y).max(0.0)
     }
 
-    fn distances<'b>(
-        &'b self,
-        leap: &'b Leap,
-        longest: bool,
-    ) -> impl Iterator<Item = (f64, f64)> + 'b {
-        let height = self.landing_height(leap);
-        self.samples[leap.jump][usize::from(!longest)]
-            .iter()
-            .filter_map(move |jump| Some((jump.launch.firing_angle, jump.distance(height)?)))
-    }
-
     /// What comes of a jump's decisions.
     fn flown(&self, leap: &Leap, decisions: [f64; 2]) -> Rc<Decided> {
         let height = self.landing_height(leap);
         let of = [decisions[0], decisions[1], height];
         let known = self.remembered.borrow()[leap.jump]
             .iter()
-            .find(|flown| flown.of == of)
+            .find(|flown| flown.of == of && flown.push == leap.push)
             .cloned();
         known.unwrap_or_else(|| {
-            let flown = Rc::new(Decided {
-                of,
-                jump: self.planner.model().steered(
-                    &self.launch(leap, decisions),
-                    self.crossing.friction.is_some(),
-                ),
-                path: OnceCell::new(),
-            });
+            let flown = Rc::new(self.fly_out(leap, of));
             let mut remembered = self.remembered.borrow_mut();
             remembered[leap.jump].insert(0, flown.clone());
             remembered[leap.jump].truncate(REMEMBERED);
             flown
         })
+    }
+
+    fn fly_out(&self, leap: &Leap, of: [f64; 3]) -> Decided {
+        let fly = |open: Dual<2>| {
+            let launch = Launch {
+                valve_open: open,
+                ..self.launch(leap, [of[0], of[1]])
+            };
+            let with_friction = self.crossing.friction.is_some();
+            self.planner.model().steered(&launch, with_friction)
+        };
+        let open = Dual::variable(of[1], 1);
+        let mut jump = fly(open);
+        let spare = |jump: &Option<Steered>| jump.as_ref().map(|jump| jump.spare);
+        let mut valve = spare(&jump);
+        // A push to the end of the stance is the same however much longer the valve is open, and so it
+        // is known where the valve is open too short for it.
+        let longest = Dual::of(self.crossing.valve_open.high);
+        if leap.push == Push::Whole && valve.is_some_and(|valve| valve.value < 0.0) {
+            jump = fly(longest);
+            valve = spare(&jump).map(|spare| spare + widen(open - longest));
+        }
+        let apart = Slope::of(APART);
+        let valve = valve.unwrap_or(Slope::of(f64::NAN));
+        Decided {
+            of,
+            push: leap.push,
+            valve: match leap.push {
+                Push::Any => Slope::of(0.0),
+                Push::Whole => valve - apart,
+                Push::Part | Push::Short => Slope::of(0.0) - valve - apart,
+            },
+            jump,
+            path: OnceCell::new(),
+        }
+    }
+
+    /// The launch with these decisions, with its valve time moved to where the jump pushes as it is to.
+    fn pushing(&self, leap: &Leap, decisions: [f64; 2]) -> Launch {
+        let launch = self.crossing.launch(leap.jump, decisions);
+        if leap.push == Push::Any {
+            return launch;
+        }
+        let spare = self.spare(&launch).unwrap_or(0.0);
+        let valve_open = match leap.push {
+            Push::Whole if spare < APART => self.crossing.valve_open.high,
+            Push::Part | Push::Short if spare > -APART => launch.valve_open - spare - APART,
+            _ => launch.valve_open,
+        };
+        Launch {
+            valve_open,
+            ..launch
+        }
+    }
+
+    /// How much longer (s) than the stance the valve is open; none without a jump.
+    fn spare(&self, launch: &Launch) -> Option<f64> {
+        let jump = self.planner.jump(launch).ok()?;
+        Some(self.planner.model().spare(&jump))
     }
 
     /// The launch of these decisions, with its derivatives by them.
@@ -220,8 +249,14 @@ impl<'a> Roller<'a> {
         if let Some((friction, needed)) = self.crossing.friction.zip(jump.friction_needed) {
             let value = Slope::of(friction) - needed;
             margins.push(Margin {
-                limit: Limit::Robot("friction"),
+                limit: course::FRICTION,
                 value,
+            });
+        }
+        if leap.push != Push::Any {
+            margins.push(Margin {
+                limit: Limit::Robot("valve"),
+                value: flown.valve,
             });
         }
         Some(landing)
@@ -266,11 +301,10 @@ impl<'a> Roller<'a> {
             side: e.side,
         });
         margins.extend(edges.chain(beside).map(nothing));
-        margins.extend(
-            self.crossing
-                .friction
-                .map(|_| nothing(Limit::Robot("friction"))),
-        );
+        margins.extend(self.crossing.friction.map(|_| nothing(course::FRICTION)));
+        if leap.push != Push::Any {
+            margins.push(nothing(Limit::Robot("valve")));
+        }
     }
 }
 
@@ -306,10 +340,22 @@ impl Jumper for Roller<'_> {
         course::Flight { landing, cost }
     }
 
-    fn deviation(&self, leap: &Leap, [angle, open]: [f64; 2]) -> f64 {
-        let launch = self.crossing.launch(leap.jump, [angle, open]);
+    fn deviation(&self, leap: &Leap, decisions: [f64; 2]) -> f64 {
+        let launch = self.pushing(leap, decisions);
         self.planner
             .landing_deviation(&launch, self.landing_height(leap))
+    }
+
+    fn push(&self, leap: &Leap, decisions: [f64; 2]) -> Push {
+        if !self.planner.robot().leg.drive.has_valve() {
+            return Push::Any;
+        }
+        let launch = self.crossing.launch(leap.jump, decisions);
+        self.planner.jump(&launch).map_or(Push::Any, |jump| {
+            let outlasts = self.planner.model().spare(&jump) >= 0.0;
+            let row = if outlasts { Push::Whole } else { Push::Part };
+            pushed(row, jump.stance.outcome)
+        })
     }
 
     fn window(&self, jump: usize) -> Span {
@@ -322,58 +368,37 @@ impl Jumper for Roller<'_> {
     /// its lift-off, as later is waste.
     fn aim(&self, leap: &Leap, foot: f64, landing: f64) -> [f64; 2] {
         let wanted = landing - foot;
-        let height = self.landing_height(leap);
-        let samples = &self.samples[leap.jump][0];
-        let points: Vec<(f64, f64, f64)> = samples
-            .iter()
-            .filter_map(|jump| {
-                let distance = jump.distance(height)?;
-                let short: f64 = leap
-                    .edges
-                    .iter()
-                    .map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump))
-                    .sum();
-                Some((jump.launch.firing_angle, distance, short))
-            })
+        let short = |jump: &Jump| -> f64 {
+            let edges = leap.edges.iter();
+            edges
+                .map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump))
+                .sum()
+        };
+        let points: Vec<([f64; 2], f64, f64)> = self.grids[leap.jump]
+            .longest(self.landing_height(leap))
+            .map(|(decisions, jump, distance)| (decisions, distance, short(jump)))
             .collect();
         let free = points.windows(2).find(|w| {
             (w[0].1 - wanted) * (w[1].1 - wanted) <= 0.0
                 && w[0].2 + w[1].2 <= 0.0
                 && w[0].1 != w[1].1
         });
-        let angle = match free {
-            Some(&[a, b]) => a.0 + (b.0 - a.0) * (wanted - a.1) / (b.1 - a.1),
-            _ => points
-                .iter()
-                .min_by(|a, b| {
-                    let miss = |p: &(f64, f64, f64)| (p.1 - wanted).abs() + 10.0 * p.2;
-                    miss(a).total_cmp(&miss(b))
-                })
-                .map_or(0.0, |p| p.0),
-        };
-        let used = samples
-            .iter()
-            .min_by(|a, b| {
-                let off = |jump: &Jump| (jump.launch.firing_angle - angle).abs();
-                off(a).total_cmp(&off(b))
-            })
-            .map_or(f64::INFINITY, |jump| {
-                // A little earlier, where the opening time begins to matter.
-                0.97 * (jump.stance.time
-                    - jump.stance.time_fire
-                    - self.planner.robot().leg.opening_delay())
-            });
-        [angle, self.crossing.valve_open.clamp(used)]
+        match free {
+            Some(&[a, b]) => {
+                let part = (wanted - a.1) / (b.1 - a.1);
+                [0, 1].map(|i| a.0[i] + part * (b.0[i] - a.0[i]))
+            }
+            _ => {
+                let miss = |p: &([f64; 2], f64, f64)| (p.1 - wanted).abs() + 10.0 * p.2;
+                let nearest = points.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
+                nearest.map_or([0.0, self.crossing.valve_open.high], |p| p.0)
+            }
+        }
     }
 
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope> {
-        let mut possible = Span::NONE;
-        for (_, distance) in self
-            .distances(leap, true)
-            .chain(self.distances(leap, false))
-        {
-            possible = possible.hull(Span::point(distance));
-        }
+        let grid = &self.grids[leap.jump];
+        let possible = grid.span(self.landing_height(leap));
         // The samples may miss the ends of the range by a little.
         let possible = possible.widened(0.05 * possible.width());
         let span = possible.meet(landings - feet).meet(reach);
@@ -387,38 +412,37 @@ impl Jumper for Roller<'_> {
         } else {
             0.0
         };
-        let effort = self.crossing.effort_weight;
-        match self.grids.get(leap.jump) {
-            Some(grid) => grid.envelope(&Within {
-                height: self.landing_height(leap),
-                rim: self.planner.robot().body.radius + self.crossing.clearance - leap.from,
-                leap,
-                feet,
-                landings,
-                reach: span,
-                cost: [deviation, effort],
-            }),
-            None => Some(Envelope::level(
-                span,
-                deviation + effort * self.crossing.valve_open.low.powi(2),
-            )),
-        }
+        grid.envelope(&Within {
+            height: self.landing_height(leap),
+            rim: self.rim(leap),
+            leap,
+            feet,
+            landings,
+            reach: span,
+            cost: [deviation, self.crossing.effort_weight],
+        })
     }
 
-    fn sketch(&self, leap: &Leap, foot: f64, landing: f64) -> Option<Sketch> {
-        let rim = self.planner.robot().body.radius + self.crossing.clearance - leap.from;
-        let grid = self.grids.get(leap.jump)?;
-        let spread = |decisions| {
-            if self.crossing.sigmas > 0.0 {
-                let launch = self.crossing.launch(leap.jump, decisions);
-                self.planner
-                    .landing_deviation(&launch, self.planner.robot().body.radius)
-            } else {
-                0.0
+    fn sketch(&self, leap: &Leap, foot: f64, landing: f64, scatter: f64) -> Option<Sketch> {
+        let ask = |which: usize, decisions: [f64; 2]| {
+            let launch = self.crossing.launch(leap.jump, decisions);
+            if which == 0 {
+                let radius = self.planner.robot().body.radius;
+                return self.planner.landing_deviation(&launch, radius);
             }
+            let launch = self.launch(leap, decisions);
+            let jump = self.planner.model().steered(&launch, true);
+            let needed = jump.and_then(|jump| jump.friction_needed);
+            needed.map_or(f64::INFINITY, |needed| needed.value)
         };
-        let height = self.landing_height(leap);
-        let (decisions, deviation) = grid.sketch(leap, [foot, landing], height, rim, spread)?;
+        let wanted = Wanted {
+            leap,
+            from_to: [foot, landing],
+            height: self.landing_height(leap),
+            rim: self.rim(leap),
+            most: [scatter, self.crossing.friction.unwrap_or(f64::INFINITY)],
+        };
+        let decisions = self.grids[leap.jump].sketch(&wanted, ask)?;
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let off = if is_last {
             landing - self.crossing.target
@@ -427,11 +451,11 @@ impl Jumper for Roller<'_> {
         };
         let cost = self.crossing.deviation_weight * off * off
             + self.crossing.effort_weight * decisions[1].powi(2);
-        Some(Sketch {
-            decisions,
-            cost,
-            deviation,
-        })
+        Some(Sketch { decisions, cost })
+    }
+
+    fn spread(&self, leap: &Leap) -> Vec<[f64; 2]> {
+        self.grids[leap.jump].decisions().collect()
     }
 
     fn edge_margin(&self, rise: f64) -> f64 {

@@ -126,6 +126,7 @@ fn derivatives_of_landing_and_margins_match_differences() {
         on: [None; 2],
         edges,
         beside,
+        push: Push::Any,
     };
     let fly = |x: [f64; 3]| {
         let mut margins = Vec::new();
@@ -270,6 +271,7 @@ fn the_wheel_s_way_beside_a_box_is_that_of_the_stance() {
             on: [None; 2],
             edges: vec![],
             beside,
+            push: Push::Any,
         };
         let gap = |angle: f64| {
             let mut margins = Vec::new();

@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use saltus_planner::course::{
-    Answer, Course, Edge, Jump, Jumper, Leap, Limit, Obstacle, Relief, Settings, Side, Slope, Span,
-    plan,
+    Answer, Course, Edge, Jump, Jumper, Leap, Limit, Obstacle, Push, Relief, Settings, Side, Slope,
+    Span, plan,
 };
 use saltus_tests::parkour::{Hopper, Takeoff};
 
@@ -28,6 +28,7 @@ fn leaps() -> [Leap; 4] {
             on: [None; 2],
             edges: vec![],
             beside: vec![],
+            push: Push::Any,
         },
         Leap {
             jump: 0,
@@ -36,6 +37,7 @@ fn leaps() -> [Leap; 4] {
             on: [None; 2],
             edges: vec![front, back],
             beside: vec![],
+            push: Push::Any,
         },
         Leap {
             jump: 0,
@@ -44,6 +46,7 @@ fn leaps() -> [Leap; 4] {
             on: [None; 2],
             edges: vec![front],
             beside: vec![],
+            push: Push::Any,
         },
         Leap {
             jump: 0,
@@ -52,6 +55,7 @@ fn leaps() -> [Leap; 4] {
             on: [None; 2],
             edges: vec![back],
             beside: vec![],
+            push: Push::Any,
         },
     ]
 }

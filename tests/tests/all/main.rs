@@ -6,6 +6,7 @@ mod boom;
 mod columns;
 mod controller;
 mod corrections;
+mod courses;
 mod diagnosis;
 mod documents;
 mod hardened;
