@@ -4,7 +4,7 @@
 use saltus_numeric::Dual;
 
 use crate::observer::Unobserved;
-use crate::{Contact, Launch, LiftOff, Stance, StanceError, Trace};
+use crate::{Contact, Launch, LiftOff, Sample, Stance, StanceError, Trace};
 
 macro_rules! jumps_in {
     ($($number:ty),*) => {$(
@@ -30,15 +30,6 @@ macro_rules! jumps_in {
 macro_rules! watched_in {
     ($($number:ty),*) => {$(
         impl Stance<$number> {
-            /// One stance with its course, contact and energy; every phase is stepped through,
-            /// closed forms left aside.
-            ///
-            /// # Errors
-            /// As [`Stance::jump`].
-            pub fn trace(&self, launch: &Launch<$number>) -> Result<Trace<$number>, StanceError> {
-                self.recorded(launch)
-            }
-
             /// One stance with its contact; every phase is stepped through, closed forms left
             /// aside.
             ///
@@ -56,6 +47,28 @@ macro_rules! watched_in {
             }
         }
     )*};
+}
+
+impl Stance<f64> {
+    /// One stance with its course, contact and energy; every phase is stepped through, closed forms
+    /// left aside.
+    ///
+    /// # Errors
+    /// As [`Stance::jump`].
+    pub fn trace(&self, launch: &Launch) -> Result<Trace, StanceError> {
+        self.recorded(launch)
+    }
+}
+
+impl Stance<Dual<2>> {
+    /// The course of one stance, with every phase stepped through: a few samples for each step of the
+    /// integration.
+    ///
+    /// # Errors
+    /// As [`Stance::jump`].
+    pub fn way(&self, launch: &Launch<Dual<2>>) -> Result<Vec<Sample<Dual<2>>>, StanceError> {
+        self.passed(launch)
+    }
 }
 
 // A robot in plain numbers; by firing angle and valve opening; by rate, firing angle, valve opening

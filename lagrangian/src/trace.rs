@@ -86,6 +86,56 @@ impl<S: Single> Stance<S> {
         let lift_off = self.run(launch, &mut recorder)?;
         Ok(recorder.finish(lift_off))
     }
+
+    /// As [`Stance::way`], which stands for each kind of number.
+    pub(crate) fn passed(&self, launch: &Launch<S>) -> Result<Vec<Sample<S>>, StanceError> {
+        let mut way = Way {
+            stance: self,
+            samples: Vec::new(),
+        };
+        self.run(launch, &mut way)?;
+        Ok(way.samples)
+    }
+}
+
+/// Parts of an integration step in a [`Way`].
+const STRIDES: usize = 3;
+
+/// The course of a stance alone.
+struct Way<'a, S: Single> {
+    stance: &'a Stance<S>,
+    samples: Vec<Sample<S>>,
+}
+
+impl<S: Single> Way<'_, S> {
+    fn step<const W: usize>(&mut self, phase: &dyn Drives<S, W>, from: &[S; W], to: &[S; W]) {
+        let start = phase.at(from);
+        let length = to[TIME] - from[TIME];
+        let (checked, tolerance) = (CHECKED, self.stance.tolerance);
+        for i in usize::from(!self.samples.is_empty())..=STRIDES {
+            let y = match i {
+                0 => *from,
+                STRIDES => *to,
+                _ => {
+                    let part = length * S::of(i as f64 / STRIDES as f64);
+                    dop853::step(phase, from, &start, part, checked, tolerance).state
+                }
+            };
+            self.samples.push(self.stance.sample(phase, &y));
+        }
+    }
+}
+
+impl<S: Single> Observer<S> for Way<'_, S> {
+    fn held(&mut self, phase: &Held<'_, S>, from: &State<S>, to: &State<S>) {
+        self.step(phase, from, to);
+    }
+    fn extension(&mut self, phase: &Extension<'_, S>, from: &State<S>, to: &State<S>) {
+        self.step(phase, from, to);
+    }
+    fn fed(&mut self, phase: &dyn Drives<S, WIDE>, from: &Wide<S>, to: &Wide<S>) {
+        self.step(phase, from, to);
+    }
 }
 
 struct Recorder<'a, S: Single> {

@@ -200,8 +200,7 @@ impl JumpModel for Planar {
             centre: at.centre.map(widen),
             velocity: at.velocity.map(widen),
         };
-        let trace = self.steered.trace(launch).ok()?;
-        let samples = trace.samples.iter();
-        Some(samples.map(|s| wide(self.instant(s))).collect())
+        let samples = self.steered.way(launch).ok()?;
+        Some(samples.iter().map(|s| wide(self.instant(s))).collect())
     }
 }
