@@ -124,33 +124,30 @@ impl Section {
 
     /// The number `stem` in SI, in whichever of its units it is given.
     pub fn number(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> f64 {
-        self.one_of(&[(stem, domain)], quantity).1
+        self.one_of(&[(stem, quantity, domain)]).1
     }
 
     /// The number `stem` in SI, if given.
     pub fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
-        self.optional_one_of(&[(stem, domain)], quantity)
+        self.optional_one_of(&[(stem, quantity, domain)])
             .map(|(_, number)| number)
     }
 
     /// Which of several ways to give a number was taken, and the number in SI.
-    pub fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
-        self.optional_one_of(ways, quantity).unwrap_or_else(|| {
-            let (keys, _) = spellings(ways, quantity);
+    pub fn one_of(&mut self, ways: &[Way]) -> (usize, f64) {
+        self.optional_one_of(ways).unwrap_or_else(|| {
+            let (keys, _) = spellings(ways);
             self.missing(&keys, "");
             (0, f64::NAN)
         })
     }
 
-    fn optional_one_of(
-        &mut self,
-        ways: &[(&str, Domain)],
-        quantity: Quantity,
-    ) -> Option<(usize, f64)> {
-        let (key, way, unit, node) = self.spelled(ways, quantity)?;
+    fn optional_one_of(&mut self, ways: &[Way]) -> Option<(usize, f64)> {
+        let (key, way, unit, node) = self.spelled(ways)?;
+        let (_, quantity, domain) = ways[way];
         Some((
             way,
-            self.si(self.dotted(&key), node, (unit, quantity, ways[way].1)),
+            self.si(self.dotted(&key), node, (unit, quantity, domain)),
         ))
     }
 
@@ -184,9 +181,9 @@ impl Section {
         domain: Domain,
         refuses: impl FnOnce(usize) -> Option<String>,
     ) -> Vec<f64> {
-        let ways = [(stem, domain)];
-        let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
-            self.missing(&spellings(&ways, quantity).0, "");
+        let ways = [(stem, quantity, domain)];
+        let Some((key, _, unit, node)) = self.spelled(&ways) else {
+            self.missing(&spellings(&ways).0, "");
             return Vec::new();
         };
         let Value::Array(items) = &node.value else {
@@ -202,7 +199,7 @@ impl Section {
 
     /// So many finite numbers `stem` (SI), if given.
     pub fn array<const N: usize>(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; N]> {
-        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, Domain::FINITE)])?;
         match &node.value {
             Value::Array(items) if items.len() == N => {
                 let items = items.clone();
@@ -244,7 +241,7 @@ impl Section {
 
     /// Two numbers `stem` (SI), the lower first, if given.
     pub fn span(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<(f64, f64)> {
-        let (key, _, unit, node) = self.spelled(&[(stem, domain)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, domain)])?;
         let allowed = "a list of two numbers, the lower first";
         match &node.value {
             Value::Array(items) if items.len() == 2 => {
@@ -319,7 +316,7 @@ impl Section {
         allowed: &str,
         read: impl FnOnce(&str, Unit) -> Option<T>,
     ) -> Option<T> {
-        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, Domain::FINITE)])?;
         let value = match &node.value {
             Value::Number(literal) => read(literal, unit),
             _ => None,
@@ -342,18 +339,14 @@ impl Section {
             _ => f64::NAN,
         };
         if !domain.contains(number) {
-            self.refuse(name, node, domain.describe(quantity.si));
+            self.refuse(name, node, domain.describe(quantity, unit));
         }
         number
     }
 
     /// The key in which one of `ways` is given, which way that is, its unit and its value.
-    fn spelled(
-        &mut self,
-        ways: &[(&str, Domain)],
-        quantity: Quantity,
-    ) -> Option<(String, usize, Unit, Node)> {
-        let (mut keys, meanings) = spellings(ways, quantity);
+    fn spelled(&mut self, ways: &[Way]) -> Option<(String, usize, Unit, Node)> {
+        let (mut keys, meanings) = spellings(ways);
         let spelling = self.given(&keys)?;
         let node = self.take(&keys[spelling])?;
         let (way, unit) = meanings[spelling];
@@ -588,7 +581,7 @@ impl Section {
 
     /// Whether the number `stem` is given, in any of its units.
     pub(crate) fn gives(&self, stem: &str, quantity: Quantity) -> bool {
-        let (keys, _) = spellings(&[(stem, Domain::FINITE)], quantity);
+        let (keys, _) = spellings(&[(stem, quantity, Domain::FINITE)]);
         keys.iter().any(|key| self.entries.contains_key(key))
     }
 
@@ -651,17 +644,17 @@ impl Section {
     }
 }
 
-/// The keys that say one of `ways` in one of the units of `quantity`, and what each means.
-fn spellings(ways: &[(&str, Domain)], quantity: Quantity) -> (Vec<String>, Vec<(usize, Unit)>) {
-    ways.iter()
-        .enumerate()
-        .flat_map(|(way, (stem, _))| {
-            quantity
-                .units
-                .iter()
-                .map(move |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit)))
-        })
-        .unzip()
+/// A way to give a number: the key without its unit, what it measures, and what is allowed.
+pub type Way<'a> = (&'a str, Quantity, Domain);
+
+/// The keys that say one of `ways` in one of its units, and what each means.
+fn spellings(ways: &[Way]) -> (Vec<String>, Vec<(usize, Unit)>) {
+    let keys = |(way, (stem, quantity, _)): (usize, &Way)| {
+        let units = quantity.units.iter();
+        let spelled = |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit));
+        units.map(spelled).collect::<Vec<_>>()
+    };
+    ways.iter().enumerate().flat_map(keys).unzip()
 }
 
 /// A value and its standard deviation.

@@ -255,7 +255,7 @@ impl Writer<'_> {
         self.inertial(0.0, &Vec3::zeros(), &Matrix3::zeros());
         for (use_, radius) in [("visual", seen), ("collision", touches)] {
             self.xml.open(use_);
-            if use_ == "collision" {
+            if use_ == "collision" && radius > point.radius {
                 // A foot that is a point is a sphere that ends there.
                 let back = vector(&(point.center.normalize() * (point.radius - radius)));
                 self.xml.leaf(format_args!(r#"origin xyz="{back}""#));

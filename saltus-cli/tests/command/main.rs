@@ -17,6 +17,7 @@ mod evidence;
 mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
+mod gases;
 mod golden;
 mod inject;
 mod jump;

@@ -137,7 +137,7 @@ struct RunFlags {
     #[command(flatten)]
     mcap: McapOption,
 
-    /// Write every cycle's readings, outputs and truths into this new or empty folder
+    /// Write every cycle's readings, outputs and truths into this folder, which is made if it is not there and has to be empty
     #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
     telemetry: Option<PathBuf>,
 
