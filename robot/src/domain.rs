@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::ops::{Bound, RangeBounds};
 
+use saltus_numeric::plain;
+
 /// An interval of finite numbers (SI), perhaps with infinity.
 #[derive(Clone, Copy, Debug)]
 pub struct Domain {
@@ -145,11 +147,12 @@ fn written(sign: &str, bound: f64, unit: &str) -> String {
     let half_turns = bound / PI;
     let number = match half_turns.abs() {
         0.0 => return format!("{sign} 0"),
+        0.25 => format!("{}pi/4", if bound < 0.0 { "-" } else { "" }),
         0.5 => format!("{}pi/2", if bound < 0.0 { "-" } else { "" }),
         1.0 => format!("{}pi", if bound < 0.0 { "-" } else { "" }),
         2.0 | 4.0 => format!("{half_turns} pi"),
-        _ if bound.abs() >= 1e6 => format!("{bound:e}"),
-        _ => bound.to_string(),
+        _ if bound.abs() >= 1e6 => format!("{:e}", plain(bound)),
+        _ => plain(bound).to_string(),
     };
     format!("{sign} {number} {unit}").trim_end().into()
 }
@@ -214,6 +217,13 @@ mod tests {
             "a finite number ≥ -pi/2 m and ≤ 4 pi m",
             &[12.0],
             &[-1.6],
+        );
+        // 7 inches.
+        check(
+            Domain::POSITIVE.up_to(7.0 * 0.0254),
+            "a finite number > 0 and ≤ 0.1778 m",
+            &[0.1],
+            &[0.2],
         );
         check(
             Domain::POSITIVE.because(", or not at all"),
