@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::ops::{Bound, RangeBounds};
 
+use saltus_numeric::plain;
+
 use crate::units::{Quantity, Unit};
 
 /// An interval of finite numbers (SI), perhaps with infinity.
@@ -160,7 +162,7 @@ fn written(sign: &str, bound: f64, quantity: Quantity, unit: Unit) -> String {
         let (number, is_cut) = unit.written(bound);
         let shown = format!("{sign} {number} {}", quantity.symbol(unit));
         return if is_cut {
-            format!("{shown} ({} {})", plain(bound), quantity.si)
+            format!("{shown} ({} {})", readable(bound), quantity.si)
         } else {
             shown
         };
@@ -168,16 +170,18 @@ fn written(sign: &str, bound: f64, quantity: Quantity, unit: Unit) -> String {
     let half_turns = bound / PI;
     let number = match half_turns.abs() {
         0.0 => return format!("{sign} 0"),
+        0.25 => format!("{}pi/4", if bound < 0.0 { "-" } else { "" }),
         0.5 => format!("{}pi/2", if bound < 0.0 { "-" } else { "" }),
         1.0 => format!("{}pi", if bound < 0.0 { "-" } else { "" }),
         2.0 | 4.0 => format!("{half_turns} pi"),
-        _ => plain(bound),
+        _ => readable(bound),
     };
     format!("{sign} {number} {}", quantity.si).trim_end().into()
 }
 
-/// A number, with an exponent where it is large.
-fn plain(number: f64) -> String {
+/// A number without round-off, with an exponent where it is large.
+fn readable(number: f64) -> String {
+    let number = plain(number);
     if number.abs() >= 1e6 {
         format!("{number:e}")
     } else {
@@ -271,6 +275,13 @@ mod tests {
             "a finite number ≥ -pi/2 m and ≤ 4 pi m",
             &[12.0],
             &[-1.6],
+        );
+        // 7 inches.
+        check(
+            Domain::POSITIVE.up_to(7.0 * 0.0254),
+            "a finite number > 0 and ≤ 0.1778 m",
+            &[0.1],
+            &[0.2],
         );
         check(
             Domain::POSITIVE.because(", or not at all"),

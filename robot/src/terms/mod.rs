@@ -348,7 +348,7 @@ terms! {
     LegMass = Spec::optional("leg.mass", MASS, at!(robot, leg.body.mass))
         .within(leg_mass)
         .shown("mass_kg = 0.05", "mass of that part, counted in body.mass")
-        .beside_plane();
+        .out_of_plane();
 
     /// Mass of the leg that the robot picks up at the end of the stroke, in the planar model (kg).
     PickedUp = Spec::optional("leg.picked_up_mass", MASS, at!(robot, leg.picked_up))

@@ -42,11 +42,20 @@ fn complaint(text: &str) -> String {
     }
 }
 
+/// That a message is `expected`, or begins so if `expected` ends with `…`.
+#[track_caller]
+fn says(message: &str, expected: &str) {
+    match expected.strip_suffix('…') {
+        Some(beginning) => assert!(message.starts_with(beginning), "{message}"),
+        None => assert_eq!(message, expected),
+    }
+}
+
 /// The sound file with `line` in place of `old`.
 #[track_caller]
 fn check(old: &str, line: &str, expected: &str) {
     assert!(SOUND.contains(old), "{old} is not in the sound file");
-    assert_eq!(complaint(&SOUND.replacen(old, line, 1)), expected);
+    says(&complaint(&SOUND.replacen(old, line, 1)), expected);
 }
 
 #[test]
@@ -215,11 +224,10 @@ fn keys_of_a_rig() {
     );
 
     let rig =
-        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+        |lines: &str, expected: &str| says(&complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "boom = 3",
-        "hopper.toml:27: unknown key environment.boom; the nearest known key is \
-         environment.gravity_g",
+        "hopper.toml:27: unknown key environment.boom; the keys allowed there are …",
     );
     rig(
         "[boom]\nlength_m = 2",
@@ -267,7 +275,7 @@ fn keys_of_a_rig() {
     );
     rig(
         "[foot]\nlength_mm = 1",
-        "hopper.toml:28: unknown key foot.length_mm; the nearest known key is foot.radius_mm",
+        "hopper.toml:28: unknown key foot.length_mm; the keys allowed there are …",
     );
 
     let ground = |line: &str, allowed: &str| {
@@ -292,7 +300,7 @@ fn keys_of_a_rig() {
 #[test]
 fn keys_of_a_running_robot() {
     let rig =
-        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+        |lines: &str, expected: &str| says(&complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "[struts]",
         "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in or distance_ft",
@@ -477,7 +485,7 @@ fn keys_unknown_missing_or_twice() {
     check(
         "[leg.cushion]",
         "[cushion]",
-        "hopper.toml:20: unknown key cushion; the nearest known key is foot",
+        "hopper.toml:20: unknown key cushion; the keys allowed there are name, …",
     );
     check(
         "mass_kg",
@@ -493,8 +501,7 @@ fn keys_unknown_missing_or_twice() {
     check(
         "damping_n_s_per_m = 30",
         "damping_n_s_per_m = 30\nsize = 3",
-        "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is \
-         leg.cushion.length_m",
+        "hopper.toml:24: unknown key leg.cushion.size; the keys allowed there are …",
     );
     check(
         "name = \"hopper\"",
@@ -593,12 +600,12 @@ fn text_that_is_not_toml() {
 fn long_values_and_keys_are_cut() {
     let long = "x".repeat(1 << 20);
     let key = complaint(&format!("{long} = 1\n"));
-    assert_eq!(
-        key,
-        format!(
-            "hopper.toml:1: unknown key {}…; the nearest known key is name",
+    says(
+        &key,
+        &format!(
+            "hopper.toml:1: unknown key {}…; the keys allowed there are name, …",
             "x".repeat(40)
-        )
+        ),
     );
     let value = complaint(&SOUND.replacen("2.75", &format!("\"{long}\""), 1));
     assert_eq!(
@@ -616,7 +623,7 @@ fn check_set(overrides: &[&str], expected: &str) {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.into()).collect();
     match resolve("rats-planar", &overrides) {
         Ok(robot) => panic!("accepted: {overrides:?}\n{robot:?}"),
-        Err(error) => assert_eq!(error.to_string(), expected),
+        Err(error) => says(&error.to_string(), expected),
     }
 }
 
@@ -624,7 +631,7 @@ fn check_set(overrides: &[&str], expected: &str) {
 fn overrides() {
     check_set(
         &["leg.foo=1"],
-        "--set leg.foo=1: unknown key leg.foo; the nearest known key is leg.gas",
+        "--set leg.foo=1: unknown key leg.foo; the keys allowed there are …",
     );
     check_set(
         &["leg.boer_mm=1"],
@@ -632,7 +639,7 @@ fn overrides() {
     );
     check_set(
         &["mass_kg=1"],
-        "--set mass_kg=1: unknown key mass_kg; the nearest known key is tank",
+        "--set mass_kg=1: unknown key mass_kg; the keys allowed there are …",
     );
     check_set(
         &["leg.bore_mm=-3"],
@@ -852,7 +859,7 @@ fn force_tables_in_csv_files() {
 #[test]
 fn force_tables_in_the_robot_file() {
     let check = |table: &str, expected: &str| {
-        assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected);
+        says(&complaint(&format!("{TABLE_LEG}{table}")), expected);
     };
     let sound = "extensions_m = [0, 0.05]\nspeeds_m_s = [0, 1]\nforces_n = [[1, 2], [3, 4]]\n";
     Robot::parse(

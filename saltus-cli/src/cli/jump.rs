@@ -116,7 +116,7 @@ impl Jump {
         if robot.space.is_some() {
             return Err(CliError::Moved {
                 asked: format!("jump --robot {}", robot.name),
-                place: Place::Study("over_box 0.21 2.2 2.2 16 3 100"),
+                place: Place::Study("over_box 0.21 2.2 2.2 16 3 100").to_string(),
             });
         }
         let Some(course) = self.obstacle else {

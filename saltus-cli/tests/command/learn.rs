@@ -226,7 +226,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("run policy short.json", "short.json: JSON"),
     (
         "run fixed --policy policy.json",
-        "saltus run policy FILE.json",
+        "saltus run policy policy.json\n",
     ),
     (
         "run policy policy.json --set body.legs=7",

@@ -407,7 +407,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("--speed 0:1", &["run --speed: must be a gait"]),
     (
         "--gait speed --speed 0:1",
-        &["saltus run closed-loop --seconds 5"],
+        &["saltus run speed --speed 0:1 --seconds 0.1"],
     ),
     (
         "speed --speed 0:1 --aim quick",

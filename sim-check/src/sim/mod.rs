@@ -102,8 +102,9 @@ pub enum Happening {
     TouchDown(usize, usize),
     /// A point leaves a surface.
     LiftOff(usize, usize),
-    /// A standing point begins to slip.
-    Slip(usize, usize),
+    /// A standing point begins to slip, along the first direction of the ground's friction (0) or the second
+    /// (1); where friction has no directions along the first.
+    Slip(usize, usize, usize),
     /// A slipping point comes to stand.
     Stick(usize, usize),
     /// The joint of a body reaches an end stop.

@@ -209,10 +209,11 @@ Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_sti
 \"speed_at_1_6_s_m_s\", \"time_to_3_2_m_s_s\", \"gas_of_runners_kg_per_m\"; and \"runs\", whose keys are the columns of CSV: robot, supply_pressure_gauge_pa, \
 coulomb_friction_n, spring_stiffness_n_per_m, spring_preload_n, friction_along, ending, stalled_at_m, stalled_since_s, error, drives_j, residual_j and those of a run.
 
-Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \"travel_m\", \"way_m\", \"place_m\", \"time_s\", \"points\", \"points_reached\", \
-\"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\", \"approximate_contacts\"; with --robots \
-\"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
-\"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run.
+Keys of a robot in space: \"command\", \"robot\", \"gait\", \"ending\" (in a word), \"seconds\", \"seed\", \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \
+\"travel_m\", \"time_s\", \"firings\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \
+\"residual_j\", \"approximate_contacts\"; of steer also \"way_m\", \"place_m\", \"points\", \"points_reached\", \"set_out\" and \"rolled_a_turn_s\"; with --robots \
+\"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", \"not_simulated\", and \
+\"runs\", also the columns of CSV: robot, ending, error, fell_s, fell_roll_rad, firings, most_aside_m, points_reached, rolled_a_turn_s, set_out, time_s, travel_m and way_m.
 
 --robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
 supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
