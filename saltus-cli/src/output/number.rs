@@ -47,6 +47,17 @@ pub(crate) fn digits(x: f64, count: usize) -> String {
     }
 }
 
+/// `x` of a motion (m, m/s, rad, J or g) for people: below 1e-6 it is what round-off leaves of a robot that stands.
+pub(crate) fn settled(x: f64, count: usize) -> String {
+    digits(if x.abs() < 1e-6 { 0.0 } else { x }, count)
+}
+
+/// So many of what `noun` names, as in 1 run, 2 runs.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
