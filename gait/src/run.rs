@@ -518,13 +518,12 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                     self.runner.sense(distance);
                 }
             }
-            let (action, command) = match &mut self.learnt {
-                Some(learnt) => learnt.step(&now, &self.world),
-                None => {
-                    let action = self.runner.step(&now.readings);
-                    let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
-                    (action, fire.into())
-                }
+            let (action, command) = if let Some(learnt) = &mut self.learnt {
+                learnt.step(&now, &self.world)
+            } else {
+                let action = self.runner.step(&now.readings);
+                let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
+                (action, fire.into())
             };
             self.world.command(command)?;
             self.tell(now.time, now.readings, action);

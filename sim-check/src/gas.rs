@@ -187,9 +187,9 @@ mod tests {
     /// motion: n R T Δm = Δ(P V) + (n − 1) ∫P dV, to the errors of the sub-steps.
     #[test]
     fn what_flows_is_what_the_chamber_holds() {
-        let robot = Robot::builtin("rats-planar").unwrap();
+        let robot = Robot::builtin("rats-planar").expect("a built-in robot");
         let leg = Leg::new(&robot, |_, x| x);
-        let chamber = leg.chamber().unwrap();
+        let chamber = leg.chamber().expect("a chamber");
         let check = |path: Path, h: f64| {
             let start = 101_325.0;
             let stored = |gas: &Gas, at: &Path| {
@@ -215,7 +215,7 @@ mod tests {
                 }
                 gas.advance(chamber, &path.from(f64::from(k) * h), h);
                 let held = stored(&gas, &path.from(f64::from(k + 1) * h));
-                let [supplied, released, pushed] = gas.moved.unwrap();
+                let [supplied, released, pushed] = gas.moved.expect("counts");
                 let flowed = chamber.pressure_per_mass() * (supplied - released)
                     - (chamber.exponent() - 1.0) * pushed;
                 assert!(
