@@ -316,7 +316,7 @@ impl InPlane {
     fn run(&self, mut setup: Setup) -> Result<Status, CliError> {
         let disturb = &self.plane.disturb;
         disturb::check(disturb, &setup.robot)?;
-        self.note_what_never_comes(&setup);
+        Self::note_what_never_comes(&setup);
         setup.disturbances = disturb.iter().map(|typed| typed.disturbance).collect();
         setup.seed = self.flags.seed;
         setup.stepping = if self.plane.exact {
@@ -332,7 +332,7 @@ impl InPlane {
 
     /// Says which speeds the schedule has after the end, and which are above those that the robot was measured to run at.
     /// Below them it holds a speed as well, by later firings, and at last by standing at times: the report says how.
-    fn note_what_never_comes(&self, setup: &Setup) {
+    fn note_what_never_comes(setup: &Setup) {
         let seconds = setup.seconds;
         let Program::Curve(law) = &setup.program else {
             return;

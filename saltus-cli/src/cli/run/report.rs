@@ -137,7 +137,8 @@ impl Report<'_> {
         }
         let mut speeds = format!("{} m/s", short(s.mean_speed));
         if let Some(late) = s.mean_speed_last_4_s.filter(|_| s.time > 4.0) {
-            speeds += &format!("; over the last 4 s {} m/s", short(late));
+            let late = short(late);
+            speeds = format!("{speeds}; over the last 4 s {late} m/s");
         }
         lines.extend(self.follower.held.iter().filter_map(|held| {
             let mean = held.mean()?;
