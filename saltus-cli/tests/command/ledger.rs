@@ -103,7 +103,7 @@ fn speeds(a: &At, b: &At) -> [f64; LEGS] {
 #[test]
 fn every_entry_of_the_ledger_follows_from_the_rows() {
     let folder = Folder::new("run-ledger");
-    folder.write("own.toml", &robot());
+    folder.write("own.toml", robot());
     // Rows and steps of 0.25 ms, in which pressures and speeds change little.
     let line = "run closed-loop --robot own.toml --set sensors.period_ms=0.25 --step 0.25ms --disturb torque=8@0.2:0.7s";
     let report = folder.done(&format!("{line} --seconds 2 --format json"), 0);
