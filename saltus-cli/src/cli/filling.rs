@@ -10,7 +10,7 @@ use super::Status;
 use super::common::Common;
 use super::terms::{TermFlags, Terms, VALVE_OPEN};
 use crate::error::CliError;
-use crate::output::{self, Column, Format, Table as Rows, columns, digits};
+use crate::output::{self, Column, Format, Table as Rows, columns, counted, digits};
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREEN};
 use crate::plot::sheet::{Panel, Sheet};
@@ -206,7 +206,7 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
     let head = format!(
         "{}: {} and {} m to a tank of {} l, {} g of {} at {} bar above ambient",
         robot.name,
-        counted(found.jumps()),
+        counted(found.jumps(), "jump"),
         digits(found.distance(), 4),
         digits(1e3 * volume, 4),
         digits(1e3 * found.filled, 4),
@@ -248,13 +248,6 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
     )
 }
 
-fn counted(jumps: usize) -> String {
-    match jumps {
-        1 => "1 jump".into(),
-        n => format!("{n} jumps"),
-    }
-}
-
 fn sheet(found: &Filling, robot: &Robot) -> Sheet {
     let mark = if found.hops.len() <= 60 {
         Mark::Dots
@@ -281,7 +274,7 @@ fn sheet(found: &Filling, robot: &Robot) -> Sheet {
         title: format!(
             "{}: {} and {} m to a filling",
             robot.name,
-            counted(found.jumps()),
+            counted(found.jumps(), "jump"),
             digits(found.distance(), 4)
         ),
         panels: vec![

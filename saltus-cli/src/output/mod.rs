@@ -13,7 +13,7 @@ use clap::ValueEnum;
 use serde_json::Value;
 
 pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
-pub(crate) use number::{digits, full, measured};
+pub(crate) use number::{counted, digits, full, measured};
 pub(crate) use share::{in_words, share};
 pub(crate) use table::{Cell, Column, Table, cells, columns, grid};
 pub(crate) use unit::{split, unit, with_unit};

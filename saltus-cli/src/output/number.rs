@@ -34,10 +34,11 @@ pub(crate) fn full(x: f64) -> String {
 
 /// Size of a sum that is 0 but for round-off, where its terms are of the size 1.
 const ROUND_OFF: f64 = 1e-15;
-/// Lengths (m), angles (rad), rates and times (s) below this are 0: jumps are computed to a few 1e-9.
-const NOTHING: f64 = 1e-9;
+/// Lengths (m), angles (rad), rates, times (s), energies (J) and masses (g) below this are 0: nothing of a
+/// robot is measured as finely, and round-off leaves as much of one that stands.
+const NOTHING: f64 = 1e-6;
 
-/// A length, an angle, a rate or a time `x` (SI) with `count` significant digits at most, for people.
+/// A length, an angle, a rate, a time or the like, `x`, with `count` significant digits at most, for people.
 pub(crate) fn measured(x: f64, count: usize) -> String {
     digits(if x.abs() < NOTHING { 0.0 } else { x }, count)
 }
@@ -58,6 +59,12 @@ pub(crate) fn digits(x: f64, count: usize) -> String {
     } else {
         format!("{rounded:e}")
     }
+}
+
+/// So many of what `noun` names, as in 1 run, 2 runs.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
 }
 
 #[cfg(test)]
@@ -105,7 +112,7 @@ mod tests {
     #[test]
     fn a_length_below_what_is_computed_is_none() {
         assert_eq!(measured(-9.131e-11, 4), "0");
-        assert_eq!(measured(-9.131e-7, 4), "-9.131e-7");
+        assert_eq!(measured(-9.131e-6, 4), "-9.131e-6");
     }
 
     proptest::proptest! {

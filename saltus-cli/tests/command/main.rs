@@ -23,6 +23,7 @@ mod inject;
 mod jump;
 mod keys;
 mod learn;
+mod ledger;
 mod logs;
 mod meaning;
 mod misleading;

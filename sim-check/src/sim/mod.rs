@@ -331,7 +331,8 @@ impl<'a> Sim<'a> {
     }
 
     /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay;
-    /// a leg without a valve ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good.
+    /// a leg without a valve ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good. A valve
+    /// that is open already stays open until the later of the two commands ends.
     ///
     /// # Errors
     /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite
@@ -341,9 +342,14 @@ impl<'a> Sim<'a> {
         not_negative("valve opening time (s)", opening)?;
         let drive = &self.machine.mechanism.legs[leg].leg;
         let (begins, ends) = drive.answers(self.time, opening);
-        let ends = ends.map(|ends| (ends, leg, false));
-        self.commands
-            .extend([(begins, leg, true)].into_iter().chain(ends));
+        self.commands.push((begins, leg, true));
+        if let Some(ends) = ends {
+            let closes = |c: &(f64, usize, bool)| c.1 == leg && !c.2 && c.0 >= begins;
+            let later = self.commands.iter().filter(|c| closes(c)).map(|c| c.0);
+            let ends = later.fold(ends, f64::max);
+            self.commands.retain(|c| !closes(c));
+            self.commands.push((ends, leg, false));
+        }
         self.sort_commands();
         Ok(())
     }

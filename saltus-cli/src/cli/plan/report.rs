@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::cli::common::opening;
 use crate::cli::limits;
-use crate::output::{self, Column, Table, columns, digits, measured};
+use crate::output::{self, Column, Table, columns, counted, digits, measured};
 
 /// A jump of a plan, and its number from 0.
 struct Row<'a> {
@@ -140,9 +140,9 @@ impl Hold {
         let share = |x: f64| digits(100.0 * x, 3);
         let mut lines = vec![
             format!(
-                "the plan {verdict} for {} % of {} runs with errors drawn, {} % asked for",
+                "the plan {verdict} for {} % of {} with errors drawn, {} % asked for",
                 share(self.share),
-                self.runs,
+                counted(self.runs, "run"),
                 share(self.asked)
             ),
             format!(
