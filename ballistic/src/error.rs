@@ -1,5 +1,6 @@
 //! What can be wrong with a question about a flight.
 
+use saltus_numeric::plain;
 use thiserror::Error;
 
 /// Why a question about a flight has no answer.
@@ -7,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum FlightError {
     /// The flight stays below the height at which it should land.
-    #[error("landing height {height} m is above the apex at {apex} m")]
+    #[error("landing height {} m is above the apex at {} m", plain(*height), plain(*apex))]
     AboveApex {
         /// The height asked for (m).
         height: f64,
@@ -15,7 +16,11 @@ pub enum FlightError {
         apex: f64,
     },
     /// Nothing pulls the wheel down.
-    #[error("without gravity the wheel rises at {speed} m/s and never comes down to {height} m")]
+    #[error(
+        "without gravity the wheel rises at {} m/s and never comes down to {} m",
+        plain(*speed),
+        plain(*height)
+    )]
     NoGravity {
         /// The height asked for (m).
         height: f64,
@@ -45,7 +50,7 @@ pub enum FlightError {
         drag: f64,
     },
     /// A time at which a flight with drag was not yet under way.
-    #[error("with drag nothing is known of the time {time} s before lift-off")]
+    #[error("with drag nothing is known of the time {} s before lift-off", plain(*time))]
     BeforeLiftOff {
         /// Time (s) after lift-off, < 0.
         time: f64,
@@ -57,7 +62,7 @@ pub enum FlightError {
         samples: usize,
     },
     /// A sampled flight ends above the height asked for.
-    #[error("the flight was followed down to {lowest} m, not to {height} m")]
+    #[error("the flight was followed down to {} m, not to {} m", plain(*lowest), plain(*height))]
     BelowSamples {
         /// The height asked for (m).
         height: f64,

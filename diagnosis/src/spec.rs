@@ -490,7 +490,7 @@ pub(crate) const fn names(key: &'static str) -> Setting {
 
 /// A length of this name within a domain that its values leave where they come in a smaller unit.
 pub(crate) const fn length(domain: Domain, name: &'static str) -> (Quantity, Domain) {
-    (LENGTH, domain.called(name).because(", not mm, cm or inch"))
+    (LENGTH, domain.called(name).not("mm, cm or inch"))
 }
 
 pub(crate) const POSITION: (Quantity, Domain) = length(Domain::within(10.0), "a position");
@@ -498,14 +498,14 @@ pub(crate) const PLACE: (Quantity, Domain) = length(Domain::within(1e4), "a plac
 pub(crate) const LEAP: (Quantity, Domain) = length(Domain::within(100.0), "a length");
 const fn angle(most: f64) -> (Quantity, Domain) {
     let domain = Domain::within(most).called("an angle");
-    (ANGLE, domain.because(", not degrees"))
+    (ANGLE, domain.not("degrees"))
 }
 
 const fn absolute(least: f64) -> (Quantity, Domain) {
     let domain = Domain::at_least(least)
         .up_to(1e8)
         .called("an absolute pressure");
-    (PRESSURE, domain.because(", not gauge, kPa, bar or psi"))
+    (PRESSURE, domain.not("gauge, kPa, bar or psi"))
 }
 
 pub(crate) const TILT: (Quantity, Domain) = angle(FRAC_PI_2);
@@ -523,7 +523,7 @@ pub(crate) const RATE: (Quantity, Domain) = (
     ANGULAR_RATE,
     Domain::within(100.0)
         .called("a rate")
-        .because(", not degrees a second"),
+        .not("degrees a second"),
 );
 pub(crate) const OPENING: (Quantity, Domain) =
     (TIME, Domain::POSITIVE.up_to(10.0).called("a time"));
@@ -539,14 +539,14 @@ pub(crate) const VOLUME: (Quantity, Domain) = (
     Domain::POSITIVE
         .up_to(1e4)
         .called("a volume")
-        .because(", not l, cm3 or mm3"),
+        .not("l, cm3 or mm3"),
 );
 pub(crate) const AREA: (Quantity, Domain) = (
     SQUARE,
     Domain::POSITIVE
         .up_to(1e4)
         .called("an area")
-        .because(", not cm2 or mm2"),
+        .not("cm2 or mm2"),
 );
 // Colder than any gas is handled at, so that room temperature in degrees Celsius is seen.
 pub(crate) const TEMPERATURE: (Quantity, Domain) = (
@@ -554,7 +554,7 @@ pub(crate) const TEMPERATURE: (Quantity, Domain) = (
     Domain::at_least(100.0)
         .up_to(3000.0)
         .called("a temperature")
-        .because(", not degC"),
+        .not("degC"),
 );
 // A supply that a bar or a psi would be the right unit for has more than 1000 Pa.
 pub(crate) const SUPPLY: (Quantity, Domain) = (
@@ -562,7 +562,7 @@ pub(crate) const SUPPLY: (Quantity, Domain) = (
     Domain::at_least(1e3)
         .up_to(1e8)
         .called("a gauge pressure")
-        .because(", not kPa, bar or psi"),
+        .not("kPa, bar or psi"),
 );
 pub(crate) const GAUGE: (Quantity, Domain) = (
     PRESSURE,

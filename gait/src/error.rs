@@ -1,6 +1,7 @@
 //! What can be wrong with a run.
 
 use saltus_controller::run::Unsure;
+use saltus_numeric::plain;
 use saltus_sim_check::SimError;
 
 /// A run that cannot be, or that cannot go on.
@@ -8,7 +9,7 @@ use saltus_sim_check::SimError;
 #[non_exhaustive]
 pub enum GaitError {
     /// A number is outside its domain.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", plain(*value))]
     Input {
         /// What was given, with its unit.
         name: String,

@@ -108,6 +108,9 @@ impl Lines {
     }
 }
 
+/// Legs of the robots on which [`Smooth`] was sought.
+const SOUGHT_WITH: u32 = 5;
+
 /// One smooth law of six parameters: α_f and t_v each go from their value at rest to that at speed
 /// as 1/(1 + (ω/w)²) falls.
 ///
@@ -140,12 +143,19 @@ impl Smooth {
         [of(self.firing_angle), of(self.valve_open)]
     }
 
-    /// The law as a curve of straight lines between rates 0.5 rad/s apart.
+    /// The law as a curve of straight lines between rates 0.5 rad/s apart, for a robot with five legs.
     pub fn program(&self) -> Program {
+        self.for_legs(SOUGHT_WITH)
+    }
+
+    /// The same for a robot with so many `legs`. Of more than five, which are closer, leans are smaller in proportion: the
+    /// rear leg of a robot that stands leans by half a pitch, and would never come to the firing angle of one with five.
+    pub fn for_legs(&self, legs: u32) -> Program {
+        let closer = (f64::from(SOUGHT_WITH) / f64::from(legs)).min(1.0);
         let knot = |k: u32| {
             let rate = 0.5 * f64::from(k);
             let [angle, open] = self.at(rate);
-            [rate, angle, open]
+            [rate, closer * angle, open]
         };
         Program::Curve((0..=80).map(knot).collect())
     }

@@ -5,7 +5,7 @@ use saltus_controller::run::{Action, Choices, Steps};
 use crate::error::ensure;
 use crate::senses::{Senses, truth};
 use crate::world::Cycle;
-use crate::{GaitError, World};
+use crate::{Command, GaitError, World};
 
 /// A table of choices, and what they are.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,25 +103,32 @@ impl<'l> Deciding<'l> {
         }
     }
 
-    /// A cycle: what is fired now. The opening time of a valve that is chosen period by period is that of one period.
-    pub(crate) fn step(&mut self, now: &Cycle, world: &World<'_>) -> Action<f64> {
+    /// A cycle: what is decided, and what is commanded. A valve that is held open has an infinite opening time in the
+    /// cycle in which it opens: nobody knows yet when it closes.
+    pub(crate) fn step(&mut self, now: &Cycle, world: &World<'_>) -> (Action<f64>, Command) {
         self.senses.take(&now.readings);
-        let fire = match &self.learnt.decides {
+        let (fire, command) = match &self.learnt.decides {
             Decides::Legs => {
                 let seen = truth(world, &self.fired);
                 let leg = usize::from(self.learnt.choice(&seen)).checked_sub(1);
                 let leg = leg.filter(|leg| *leg < self.fired.len());
-                self.opens(leg, now.time).map(|leg| (leg, self.period))
+                (self.holds(leg, now.time), Command::Hold(leg))
             }
-            Decides::Zone { period } => self.by_zone(*period, now.time),
-            Decides::Stride { firings, front } => self.by_stride(firings, *front),
+            Decides::Zone { period } => {
+                let opened = self.by_zone(*period, now.time);
+                (opened, Command::Hold(self.open))
+            }
+            Decides::Stride { firings, front } => {
+                let fire = self.by_stride(firings, *front);
+                (fire, fire.into())
+            }
         };
         self.cycles += 1;
         let rate = self.senses.rate();
         let stands = rate.abs() < self.stall[0];
         self.still = if stands { self.still + 1 } else { 0 };
         let name = |leg: usize| u32::try_from(leg).unwrap_or(u32::MAX);
-        Action {
+        let action = Action {
             leg: fire.map(|(leg, _)| name(leg)),
             valve_open: fire.map_or(0.0, |(_, open)| open),
             in_zone: name(self.senses.leg()),
@@ -129,25 +136,16 @@ impl<'l> Deciding<'l> {
             rate,
             firing_angle: self.firing.map_or(std::f64::consts::PI, |[angle, _]| angle),
             stalled: self.still as f64 * self.period >= self.stall[1],
-        }
+        };
+        (action, command)
     }
 
-    /// Whether it says which valve is open; else each firing says for how long.
-    pub(crate) fn holds_valves(&self) -> bool {
-        matches!(self.learnt.decides, Decides::Legs | Decides::Zone { .. })
-    }
-
-    /// The leg whose valve is to be open now, if any.
-    pub(crate) fn open(&self) -> Option<usize> {
-        self.open
-    }
-
-    /// Has the valve of `leg` open from now on; the leg, where it was not.
-    fn opens(&mut self, leg: Option<usize>, now: f64) -> Option<usize> {
+    /// Has the valve of `leg` open from now on; the leg with its opening time, where it was not.
+    fn holds(&mut self, leg: Option<usize>, now: f64) -> Option<(usize, f64)> {
         let before = std::mem::replace(&mut self.open, leg);
         let leg = leg.filter(|_| leg != before)?;
         self.fired[leg] = now;
-        Some(leg)
+        Some((leg, f64::INFINITY))
     }
 
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -158,7 +156,7 @@ impl<'l> Deciding<'l> {
         }
         let opens = self.learnt.choice(&self.senses.in_zone()) == 1;
         let leg = opens.then(|| self.senses.leg());
-        self.opens(leg, now).map(|leg| (leg, period))
+        self.holds(leg, now)
     }
 
     fn by_stride(&mut self, firings: &[[f64; 2]], front: Option<f64>) -> Option<(usize, f64)> {

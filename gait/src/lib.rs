@@ -36,4 +36,4 @@ pub use sensed::{Faced, Sensed};
 pub use sensors::{Ranging, Sensing};
 pub use speed::speed_law;
 pub use surroundings::{Disturbance, Surroundings, What, When};
-pub use world::{Cycle, World};
+pub use world::{Command, Cycle, Output, World};

@@ -5,6 +5,7 @@ use saltus_robot::Robot;
 
 use crate::cast::instruments;
 use crate::run::{Row, Run};
+use crate::world::{NEAR, Output};
 
 /// What the sensors of a running robot measure, a row a cycle: outputs of the valves, wheel angle,
 /// angles of the boom, rate of the wheel.
@@ -13,10 +14,8 @@ pub struct Logger {
     instruments: Instruments<f64>,
     on_boom: bool,
     legs: usize,
-    /// Time (s) from a decision to the valve's output.
-    delay: f64,
-    /// When (s) each valve opens and closes next, or did last.
-    openings: Vec<[f64; 2]>,
+    /// The outputs to the valves in the last row.
+    outputs: Vec<Output>,
     /// Time (s) of the last row.
     last: f64,
 }
@@ -25,14 +24,12 @@ impl Logger {
     /// The logger of `robot`.
     pub fn new(robot: &Robot) -> Logger {
         let sensors = robot.sensors.unwrap_or_default();
-        let is_late = sensors.output_delay_cycles > 0.5;
         let legs = robot.body.legs as usize;
         Logger {
             instruments: instruments(&sensors),
             on_boom: robot.boom.is_some(),
             legs,
-            delay: if is_late { sensors.period } else { 0.0 },
-            openings: vec![[f64::INFINITY; 2]; legs],
+            outputs: Vec::new(),
             last: f64::NEG_INFINITY,
         }
     }
@@ -67,7 +64,7 @@ impl Logger {
     /// Gives the rows of a cycle to `take`: the time (s), and a number for each column. A valve that
     /// closes between two cycles has a row of its own, in which nothing else is measured: NaN.
     pub fn log(&mut self, row: &Row<'_>, mut take: impl FnMut(f64, &[f64])) {
-        let mut closings: Vec<f64> = self.openings.iter().map(|o| o[1]).collect();
+        let mut closings: Vec<f64> = self.outputs.iter().map(|output| output.off).collect();
         closings.retain(|time| *time > self.last + NEAR && *time < row.time - NEAR);
         closings.sort_by(f64::total_cmp);
         for time in closings {
@@ -76,10 +73,8 @@ impl Logger {
             take(time, &values);
         }
         self.last = row.time;
-        if let Some(leg) = row.action.leg {
-            let open = row.time + self.delay;
-            self.openings[leg as usize] = [open, open + row.action.valve_open];
-        }
+        self.outputs.clear();
+        self.outputs.extend_from_slice(row.outputs);
         let mut values = self.valves(row.time);
         let one = &self.instruments;
         let readings = &row.readings;
@@ -93,17 +88,12 @@ impl Logger {
     }
 
     fn valves(&self, time: f64) -> Vec<f64> {
-        let is_open = |[open, close]: &[f64; 2]| *open <= time + NEAR && time + NEAR < *close;
-        let outputs = self
-            .openings
-            .iter()
-            .map(|o| f64::from(u8::from(is_open(o))));
-        outputs.collect()
+        let outputs = self.outputs.iter();
+        outputs
+            .map(|output| f64::from(u8::from(output.is_on(time))))
+            .collect()
     }
 }
-
-/// Times (s) that are the same but for round-off.
-const NEAR: f64 = 1e-9;
 
 /// A whole run as its instruments log it.
 #[derive(Clone, Debug)]

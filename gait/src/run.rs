@@ -18,7 +18,7 @@ use crate::learnt::Deciding;
 use crate::senses::Senses;
 use crate::sensors::Ranging;
 use crate::surroundings::{Disturbance, Surroundings};
-use crate::world::World;
+use crate::world::{Output, World};
 use crate::{GaitError, Program};
 
 /// A run to be run.
@@ -181,6 +181,9 @@ const LONGEST: f64 = 1e5;
 const MEAN: f64 = 0.15;
 /// Time (s) at the end over which the last speed is a mean.
 const LAST: f64 = 4.0;
+/// Height (m) above which a foot has left what it stood on. A foot that bears rattles by tenths of a millimetre, while a leg
+/// that is swung clears some centimetres.
+const LEFT: f64 = 1e-3;
 /// Speed (m/s) below which a robot whose wheel does not turn stands still: above it, it flies.
 const STANDS: f64 = 0.1;
 
@@ -189,6 +192,8 @@ const STANDS: f64 = 0.1;
 pub struct Row<'r> {
     /// Time (s).
     pub time: f64,
+    /// Time (s) to the next cycle.
+    pub period: f64,
     /// Travel and height of the axle (m).
     pub axle: [f64; 2],
     /// Their rates (m/s).
@@ -207,8 +212,10 @@ pub struct Row<'r> {
     pub pressures: &'r [f64],
     /// What the sensors said.
     pub readings: Readings,
-    /// What the controller decided.
+    /// What the controller decided. The opening time of a valve that a policy holds open is infinite.
     pub action: Action<f64>,
+    /// The output to each valve in this cycle.
+    pub outputs: &'r [Output],
     /// Whether it has stood still for the time that makes a stall, though it was to run.
     pub stands: bool,
     /// The contacts that are closed, with their forces, where the follower
@@ -216,7 +223,8 @@ pub struct Row<'r> {
     pub contacts: &'r [Contact],
 }
 
-/// A foot that comes down.
+/// A leg that touches down: its foot, which was more than 1 mm above what it may stand on, touches the ground. A foot that
+/// rebounds by less has not ended its stance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footfall {
     /// When (s).
@@ -242,7 +250,7 @@ pub enum Ending {
     },
 }
 
-/// What a run came to.
+/// What a run came to. Travels and speeds are positive forwards, also where the robot runs backwards.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// How it ended.
@@ -255,20 +263,24 @@ pub struct Summary {
     pub way: f64,
     /// Mean speed (m/s).
     pub mean_speed: f64,
-    /// Mean speed over the last 4 s (m/s); over all of a shorter run.
-    pub last_speed: f64,
-    /// Greatest speed (m/s), as a mean over 0.15 s.
+    /// Mean speed over the last 4 s (m/s); none for a shorter run.
+    pub mean_speed_last_4_s: Option<f64>,
+    /// Speed at the end (m/s), as a mean over 0.15 s.
+    pub speed_at_end: f64,
+    /// Greatest speed in the direction of the run (m/s), as a mean over 0.15 s.
     pub top_speed: f64,
     /// Speed (m/s) as a mean over the 0.15 s before 1.6 s; none for a shorter run.
     pub speed_at_1_6: Option<f64>,
-    /// When it reached 3.2 m/s (s), as a mean over 0.15 s.
+    /// When it reached 3.2 m/s in the direction of the run (s), as a mean over 0.15 s.
     pub reached_3_2: Option<f64>,
-    /// When it had travelled 1.6 m (s).
+    /// When it had travelled 1.6 m in the direction of the run (s).
     pub time_to_1_6_m: Option<f64>,
     /// Firings.
     pub firings: usize,
-    /// Touch-downs of feet on the ground.
+    /// Touch-downs of legs on the ground: [`Footfall`].
     pub touch_downs: usize,
+    /// Whether each disturbance of the setup was there.
+    pub disturbed: Vec<bool>,
     /// Contacts of other parts, or with obstacles: when (s), the part, the surface.
     pub bumps: Vec<(f64, String, usize)>,
     /// How many bumps there were in all, of which the first hundred are listed.
@@ -279,7 +291,7 @@ pub struct Summary {
     pub gas: f64,
     /// Work of each leg's drive (J).
     pub leg_work: Vec<f64>,
-    /// What each leg lost (J): in friction, dampers, and what its spring holds.
+    /// What each leg lost (J): in friction and dampers.
     pub leg_loss: Vec<f64>,
     /// Energy at the start.
     pub start: Ledger,
@@ -291,6 +303,13 @@ pub struct Summary {
     pub gas_residual: f64,
     /// The rear leg of the two on which the controller found itself at the start.
     pub rear: u32,
+}
+
+impl Summary {
+    /// Mean speed over the last 4 s (m/s), over all of a shorter run.
+    pub fn late_speed(&self) -> f64 {
+        self.mean_speed_last_4_s.unwrap_or(self.mean_speed)
+    }
 }
 
 impl Row<'_> {
@@ -417,6 +436,8 @@ struct Loop<'a, 's, F> {
     carried: Option<f64>,
     /// Travels (m) of the last 4 s.
     late: VecDeque<f64>,
+    /// Whether the foot of each leg has left what it stood on.
+    aloft: Vec<bool>,
 }
 
 impl<'a, 's, F: Run> Loop<'a, 's, F> {
@@ -469,6 +490,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             stored,
             carried,
             late: VecDeque::new(),
+            aloft: vec![false; legs],
         })
     }
 
@@ -496,10 +518,14 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
                     self.runner.sense(distance);
                 }
             }
-            let action = match &mut self.learnt {
-                Some(learnt) => learnt.step(&now, &self.world),
-                None => self.runner.step(&now.readings),
+            let (action, command) = if let Some(learnt) = &mut self.learnt {
+                learnt.step(&now, &self.world)
+            } else {
+                let action = self.runner.step(&now.readings);
+                let fire = action.leg.map(|leg| (leg as usize, action.valve_open));
+                (action, fire.into())
             };
+            self.world.command(command)?;
             self.tell(now.time, now.readings, action);
             if self.late.len() == lately {
                 self.late.pop_front();
@@ -507,19 +533,20 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             let travel = self.travel();
             self.late.push_back(travel);
             self.summary.firings += usize::from(action.leg.is_some());
-            let mut fire = action.leg.map(|leg| (leg as usize, action.valve_open));
-            if let Some(learnt) = self.learnt.as_ref().filter(|it| it.holds_valves()) {
-                self.world.open(learnt.open())?;
-                fire = None;
-            }
-            let summary = &mut self.summary;
             let rig = self.world.rig();
+            let gaps = rig.foot_gaps(self.world.looked_at().coordinates());
+            for (aloft, gap) in self.aloft.iter_mut().zip(gaps) {
+                *aloft |= gap > LEFT;
+            }
+            let (summary, aloft) = (&mut self.summary, &mut self.aloft);
             let mut fell = Vec::new();
-            self.world.go_on(fire, |event| {
+            self.world.go_on(|event| {
                 if let Happening::TouchDown(point, surface) = event.what {
                     if surface == 0 && point < rig.legs.len() {
-                        summary.touch_downs += 1;
-                        fell.push((event.time, point));
+                        if std::mem::take(&mut aloft[point]) {
+                            summary.touch_downs += 1;
+                            fell.push((event.time, point));
+                        }
                     } else {
                         summary.bump_count += 1;
                         if summary.bumps.len() < 100 {
@@ -559,8 +586,12 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
     fn tell(&mut self, time: f64, readings: Readings, action: Action<f64>) {
         let rig = self.world.rig();
         let asked = self.follower.asks_contacts(time);
-        let sim = self.world.sim();
-        let contacts = if asked { sim.contacts() } else { Vec::new() };
+        let contacts = if asked {
+            self.world.sim().contacts()
+        } else {
+            Vec::new()
+        };
+        let sim = self.world.looked_at();
         for leg in 0..self.extensions.len() {
             self.extensions[leg] = sim.coordinates()[rig.extension_coordinate(leg)];
             self.pressures[leg] = sim.pressure(leg);
@@ -574,8 +605,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         self.recent.push_back(travel);
         let period = self.setup.sensors().period;
         let oldest = self.recent.front().copied().unwrap_or(travel);
-        let sign = if self.setup.forwards { 1.0 } else { -1.0 };
-        let speed = sign * (travel - oldest) / (self.window as f64 * period);
+        let speed = (travel - oldest) / (self.window as f64 * period);
+        let ahead = if self.setup.forwards { 1.0 } else { -1.0 };
         let stall = self.setup.stall;
         if speed.abs() >= STANDS || action.rate.abs() >= stall.rate {
             self.still = None;
@@ -584,6 +615,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         }
         self.follower.row(&Row {
             time,
+            period,
             axle,
             axle_rates: rig.axle_rates(q, v),
             lean: q[rig.lean_coordinate()],
@@ -594,6 +626,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             pressures: &self.pressures,
             readings,
             action,
+            outputs: self.world.outputs(),
             stands: self.still.is_some() && !self.is_to_stand,
             contacts: &contacts,
         });
@@ -605,14 +638,17 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
             }
         }
         let s = &mut self.summary;
-        s.top_speed = s.top_speed.max(speed);
-        if s.reached_3_2.is_none() && speed >= 3.2 {
+        if ahead * speed > ahead * s.top_speed {
+            s.top_speed = speed;
+        }
+        s.speed_at_end = speed;
+        if s.reached_3_2.is_none() && ahead * speed >= 3.2 {
             s.reached_3_2 = Some(time);
         }
         if s.speed_at_1_6.is_none() && time >= 1.6 - 1e-9 {
             s.speed_at_1_6 = Some(speed);
         }
-        if s.time_to_1_6_m.is_none() && sign * travel >= 1.6 {
+        if s.time_to_1_6_m.is_none() && ahead * travel >= 1.6 {
             s.time_to_1_6_m = Some(time);
         }
     }
@@ -621,7 +657,8 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let travel = self.travel();
         let legs = self.extensions.len();
         let travel_then = self.late.front().copied().unwrap_or(travel);
-        let lately = self.late.len() as f64 * self.setup.sensors().period;
+        let period = self.setup.sensors().period;
+        let lately = self.late.len() as f64 * period;
         let is_to_stand = self.is_to_stand;
         let turned_at = self.turned_at;
         let (stored, carried) = (self.stored, self.carried);
@@ -629,7 +666,7 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         let still = self.still;
         let residual = self.world.residual();
         let rig = self.world.rig();
-        let sim = self.world.sim();
+        let sim = self.world.looked_at();
         let mut s = self.summary;
         let mut gas_now = 0.0;
         let mut explained = 0.0;
@@ -656,7 +693,9 @@ impl<'a, 's, F: Run> Loop<'a, 's, F> {
         s.travel = travel;
         s.way += (travel - turned_at).abs();
         s.mean_speed = travel / end;
-        s.last_speed = (travel - travel_then) / lately;
+        let is_long = self.late.len() >= counted(LAST / period).max(1);
+        s.mean_speed_last_4_s = is_long.then_some((travel - travel_then) / lately);
+        s.disturbed = self.world.disturbed();
         s.ledger = sim.ledger();
         s.residual = residual;
         if let (Some((since, at)), false) = (still, is_to_stand) {

@@ -45,7 +45,7 @@ pub fn speed_law(robot: &Robot, threads: usize) -> Result<Vec<[f64; 3]>, GaitErr
             [at, angle, VALVE_OPEN],
         ]);
         let summary = run(&Setup::new(robot.clone(), program, MEASURED), &mut ())?;
-        Ok([summary.last_speed, angle, VALVE_OPEN])
+        Ok([summary.late_speed(), angle, VALVE_OPEN])
     };
     let measured: Vec<[f64; 3]> = parallel::map_on(threads, ANGLES.len(), one)
         .into_iter()

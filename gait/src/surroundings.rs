@@ -80,6 +80,11 @@ impl Surroundings {
         })
     }
 
+    /// What may disturb.
+    pub(crate) fn disturbances(&self) -> &[Disturbance] {
+        &self.disturbances
+    }
+
     /// Which disturbances are there at `time` (s) and `travel` (m): a bit for each.
     pub(crate) fn present(&self, time: f64, travel: f64) -> usize {
         let is_there = |d: &Disturbance| match d.when {

@@ -32,19 +32,86 @@ pub(crate) struct Motion {
     pub(crate) axle_rates: [f64; 2],
 }
 
+/// A command to the valves, of which there is one a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Command {
+    /// Valves go on as they were commanded.
+    #[default]
+    Nothing,
+    /// The valve of this leg opens for so long (s).
+    Fire(usize, f64),
+    /// The valve of this leg is open, and the one that was held before is closed, until another is held.
+    Hold(Option<usize>),
+}
+
+impl From<Option<(usize, f64)>> for Command {
+    /// Fires a leg for a valve opening time (s), if any.
+    fn from(fire: Option<(usize, f64)>) -> Command {
+        fire.map_or(Command::Nothing, |(leg, opening)| {
+            Command::Fire(leg, opening)
+        })
+    }
+}
+
+/// The output to a valve: what is commanded, before the valve's own delays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// When (s) it was last switched on; infinite before the first time.
+    pub on: f64,
+    /// When (s) it is switched off; infinite as long as no command says.
+    pub off: f64,
+}
+
+/// Times (s) that are the same but for round-off.
+pub(crate) const NEAR: f64 = 1e-9;
+
+impl Output {
+    const NEVER: Output = Output {
+        on: f64::INFINITY,
+        off: f64::INFINITY,
+    };
+
+    /// Whether it is on just after `time` (s).
+    pub fn is_on(&self, time: f64) -> bool {
+        self.on <= time + NEAR && time + NEAR < self.off
+    }
+
+    /// For how long (s) it is on in the cycle of `period` (s) that begins at `time` (s).
+    pub fn within(&self, time: f64, period: f64) -> f64 {
+        if !self.is_on(time) {
+            return 0.0;
+        }
+        let open = self.off - time;
+        if open < period - NEAR { open } else { period }
+    }
+
+    /// Switches it on now for so long (s); an output that is on already stays so.
+    fn fire(&mut self, now: f64, opening: f64) {
+        let off = now + opening;
+        if self.is_on(now) {
+            self.off = self.off.max(off);
+        } else {
+            *self = Output { on: now, off };
+        }
+    }
+}
+
 /// A robot in motion, whose legs are all free to move. A clone goes on from the same state, to the bit.
 #[derive(Clone)]
 pub struct World<'a> {
     surroundings: &'a Surroundings,
     sim: Sim<'a>,
     present: usize,
+    /// All disturbances that have been there so far: a bit for each.
+    met: usize,
     sensing: Sensing,
     sensors: Sensors,
     cycles: u64,
-    /// A command that waits for the next cycle: leg and opening time (s).
-    waiting: Option<(usize, f64)>,
-    /// The leg whose valve is commanded to be open until another command.
-    open: Option<usize>,
+    /// A command that waits for the next cycle.
+    waiting: Command,
+    /// The leg whose valve is held open.
+    held: Option<usize>,
+    outputs: Vec<Output>,
     start: Ledger,
 }
 
@@ -75,11 +142,13 @@ impl<'a> World<'a> {
             surroundings,
             sim,
             present,
+            met: present,
             sensing: Sensing::new(sensors, random),
             sensors,
             cycles: 0,
-            waiting: None,
-            open: None,
+            waiting: Command::Nothing,
+            held: None,
+            outputs: vec![Output::NEVER; surroundings.rig.legs.len()],
             start,
         })
     }
@@ -132,44 +201,61 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Has the valve of `leg` open, and every other one closed, until told otherwise.
+    /// Whether each disturbance has been there so far.
+    pub fn disturbed(&self) -> Vec<bool> {
+        let count = self.surroundings.disturbances().len();
+        (0..count).map(|k| self.met >> k & 1 == 1).collect()
+    }
+
+    /// The outputs to the valves, leg by leg, in the cycle that has been [commanded](Self::command).
+    pub fn outputs(&self) -> &[Output] {
+        &self.outputs
+    }
+
+    /// Takes the command of this cycle, once before it [goes on](Self::go_on). The outputs follow now, or in
+    /// the next cycle, as the robot's sensors say.
     ///
     /// # Errors
     /// [`GaitError::Sim`] for a leg that is not there.
-    pub fn open(&mut self, leg: Option<usize>) -> Result<(), GaitError> {
-        if self.open == leg {
-            return Ok(());
+    pub fn command(&mut self, command: Command) -> Result<(), GaitError> {
+        let command = if self.sensors.output_delay_cycles > 0.5 {
+            std::mem::replace(&mut self.waiting, command)
+        } else {
+            command
+        };
+        let now = self.sim.time();
+        match command {
+            Command::Nothing => {}
+            Command::Fire(leg, opening) => {
+                self.sim.fire(leg, opening)?;
+                self.outputs[leg].fire(now, opening);
+            }
+            Command::Hold(leg) if leg == self.held => {}
+            Command::Hold(leg) => {
+                if let Some(before) = std::mem::replace(&mut self.held, leg) {
+                    self.sim.switch(before, false)?;
+                    self.outputs[before].off = now;
+                }
+                if let Some(leg) = leg {
+                    self.sim.switch(leg, true)?;
+                    self.outputs[leg].fire(now, f64::INFINITY);
+                }
+            }
         }
-        if let Some(before) = std::mem::replace(&mut self.open, leg) {
-            self.sim.switch(before, false)?;
-        }
-        leg.map_or(Ok(()), |leg| self.sim.switch(leg, true))?;
         Ok(())
     }
 
-    /// Fires `fire`, a leg and its valve opening time (s), if any, in this cycle or the next, as the
-    /// robot's sensors say, and goes on to the next cycle. Each event is given to `heard`.
+    /// Goes on to the next cycle. Each event is given to `heard`.
     ///
     /// # Errors
     /// [`GaitError::Sim`] where the motion cannot go on.
-    pub fn go_on(
-        &mut self,
-        fire: Option<(usize, f64)>,
-        mut heard: impl FnMut(&Event),
-    ) -> Result<(), GaitError> {
-        let now = if self.sensors.output_delay_cycles > 0.5 {
-            std::mem::replace(&mut self.waiting, fire)
-        } else {
-            fire
-        };
-        if let Some((leg, opening)) = now {
-            self.sim.fire(leg, opening)?;
-        }
+    pub fn go_on(&mut self, mut heard: impl FnMut(&Event)) -> Result<(), GaitError> {
         let travel = self.surroundings.rig.axle(self.sim.coordinates())[0];
         let present = self.surroundings.present(self.sim.time(), travel);
         if present != self.present {
             self.sim.change(self.surroundings.mechanism(present)?)?;
             self.present = present;
+            self.met |= present;
         }
         self.cycles += 1;
         self.sim

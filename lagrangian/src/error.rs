@@ -1,12 +1,14 @@
 //! What keeps a stance from being computed at all.
 
+use saltus_numeric::plain;
+
 /// A stance that could not be integrated. An outcome without lift-off is not an error: see
 /// [`Outcome`](crate::Outcome).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StanceError {
     /// An input is outside its domain.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", plain(*value))]
     Input {
         /// What was given, with its unit.
         name: &'static str,

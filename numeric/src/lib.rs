@@ -9,6 +9,7 @@
 //!   with, and the choice of the independent variable that turns it into an exact event locator.
 //! * Of plain numbers: [`root`] has roots and extremes without derivatives, [`hermite`] the cubic
 //!   through values and slopes, [`statistics`] means, quantiles and the least-squares line.
+//! * [`plain`]: numbers without round-off, for messages.
 //! * [`parallel`]: work shared among threads.
 
 pub mod dop853;
@@ -16,6 +17,7 @@ mod dual;
 mod hermite;
 mod lanes;
 pub mod parallel;
+mod plain;
 mod refused;
 pub mod root;
 mod scalar;
@@ -25,5 +27,6 @@ mod width;
 pub use dual::Dual;
 pub use hermite::hermite;
 pub use lanes::{LANES, Lanes};
+pub use plain::plain;
 pub use scalar::{Scalar, Single};
 pub use width::Width;

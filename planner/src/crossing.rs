@@ -116,7 +116,7 @@ pub enum CrossingError {
     #[error(transparent)]
     Course(#[from] CourseError),
     /// A number is outside its domain.
-    #[error("{key} = {value}: must be {allowed}")]
+    #[error("{key} = {}: must be {allowed}", saltus_numeric::plain(*value))]
     Input {
         /// Key, as in course files.
         key: &'static str,

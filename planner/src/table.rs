@@ -4,7 +4,7 @@
 use saltus_ballistic::{Disc, Obstacle};
 use saltus_lagrangian::{Launch, StanceError};
 use saltus_numeric::parallel::{self, in_chunks};
-use saltus_numeric::refused;
+use saltus_numeric::{plain, refused};
 use saltus_robot::Robot;
 
 use crate::jump::{Jump, Sensitivity};
@@ -151,7 +151,7 @@ pub struct Nearest {
 #[non_exhaustive]
 pub enum TableError {
     /// A number is outside its domain.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", plain(*value))]
     Input {
         /// What was given, with its unit.
         name: &'static str,

@@ -328,6 +328,30 @@ impl<S: Single> Leg<S> {
         }
     }
 
+    /// Force (N) by which the return spring and the spring of the cushion set themselves against extension at `d` (m).
+    pub fn spring_pull(&self, switches: Switches, d: S) -> S {
+        let zero = S::of(0.0);
+        let spring = self
+            .spring
+            .map_or(zero, |(stiffness, preload)| stiffness.mul_add(d, preload));
+        let cushion = self.cushion.filter(|_| switches.cushioned);
+        spring + cushion.map_or(zero, |c| c.stiffness * (d - c.start))
+    }
+
+    /// Energy (J) in the return spring and the spring of the cushion at extension `d` (m), 0 at no extension.
+    pub fn spring_energy(&self, d: S) -> S {
+        let zero = S::of(0.0);
+        let half = S::of(0.5);
+        let spring = self.spring.map_or(zero, |(stiffness, preload)| {
+            (half * stiffness).mul_add(d, preload) * d
+        });
+        let pressed = |c: &Cushion<S>| (d - c.start).max(zero);
+        spring
+            + self
+                .cushion
+                .map_or(zero, |c| half * c.stiffness * pressed(&c) * pressed(&c))
+    }
+
     /// Whether dry friction ever sets itself against motion: that of the rod, or of the seal under
     /// pressure.
     pub fn has_dry_friction(&self) -> bool {

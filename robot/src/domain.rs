@@ -3,6 +3,10 @@
 use std::f64::consts::PI;
 use std::ops::{Bound, RangeBounds};
 
+use saltus_numeric::plain;
+
+use crate::units::{Quantity, Unit};
+
 /// An interval of finite numbers (SI), perhaps with infinity.
 #[derive(Clone, Copy, Debug)]
 pub struct Domain {
@@ -16,6 +20,8 @@ pub struct Domain {
     name: &'static str,
     /// Why its bounds are where they are, for messages; mostly empty.
     reason: &'static str,
+    /// Units that a number outside it may be in by mistake, for messages; mostly empty.
+    others: &'static str,
 }
 
 impl Domain {
@@ -34,6 +40,7 @@ impl Domain {
             whole: false,
             name: "a finite number",
             reason: "",
+            others: "",
         }
     }
 
@@ -95,6 +102,11 @@ impl Domain {
         Domain { reason, ..self }
     }
 
+    /// The same, outside of which a number in SI may be one in `others` by mistake: `mm, cm or inch`.
+    pub const fn not(self, others: &'static str) -> Domain {
+        Domain { others, ..self }
+    }
+
     /// Whether `x` is inside; what is not finite mostly is not.
     pub fn contains(self, x: f64) -> bool {
         let is_fraction = self.whole && x.fract() != 0.0;
@@ -117,8 +129,8 @@ impl Domain {
         (low, high)
     }
 
-    /// What is allowed, for messages, with bounds in `unit`.
-    pub fn describe(self, unit: &str) -> String {
+    /// What is allowed, for messages, with bounds in the unit of the number that is refused.
+    pub fn describe(self, quantity: Quantity, unit: Unit) -> String {
         let low = match self.low {
             Bound::Unbounded => None,
             Bound::Excluded(low) => Some((">", low)),
@@ -132,36 +144,85 @@ impl Domain {
         let bounds: Vec<String> = [low, high]
             .into_iter()
             .flatten()
-            .map(|(sign, bound)| written(sign, bound, unit))
+            .map(|(sign, bound)| written(sign, bound, quantity, unit))
             .collect();
         let number = format!("{} {}", self.name, bounds.join(" and "));
         let endless = if self.endless { ", or inf" } else { "" };
-        format!("{}{endless}{}", number.trim_end(), self.reason)
+        let others = match self.others {
+            others if others.is_empty() || unit != Unit::SI => String::new(),
+            others => format!(", not {others}"),
+        };
+        format!("{}{endless}{}{others}", number.trim_end(), self.reason)
     }
 }
 
-/// A bound with its unit; 0 is 0 in any unit, and angles are parts of π where they are.
-fn written(sign: &str, bound: f64, unit: &str) -> String {
+/// A bound in a unit, and in SI where that is cut; 0 is 0 in any unit, and angles are parts of π where they are.
+fn written(sign: &str, bound: f64, quantity: Quantity, unit: Unit) -> String {
+    if unit != Unit::SI && bound != 0.0 {
+        let (number, is_cut) = unit.written(bound);
+        let shown = format!("{sign} {number} {}", quantity.symbol(unit));
+        return if is_cut {
+            format!("{shown} ({} {})", readable(bound), quantity.si)
+        } else {
+            shown
+        };
+    }
     let half_turns = bound / PI;
     let number = match half_turns.abs() {
         0.0 => return format!("{sign} 0"),
+        0.25 => format!("{}pi/4", if bound < 0.0 { "-" } else { "" }),
         0.5 => format!("{}pi/2", if bound < 0.0 { "-" } else { "" }),
         1.0 => format!("{}pi", if bound < 0.0 { "-" } else { "" }),
         2.0 | 4.0 => format!("{half_turns} pi"),
-        _ if bound.abs() >= 1e6 => format!("{bound:e}"),
-        _ => bound.to_string(),
+        _ => readable(bound),
     };
-    format!("{sign} {number} {unit}").trim_end().into()
+    format!("{sign} {number} {}", quantity.si).trim_end().into()
+}
+
+/// A number without round-off, with an exponent where it is large.
+fn readable(number: f64) -> String {
+    let number = plain(number);
+    if number.abs() >= 1e6 {
+        format!("{number:e}")
+    } else {
+        number.to_string()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::{ANGLE, LENGTH, MOLAR_MASS, NUMBER, PRESSURE};
+
+    /// A bound is in the unit in which the refused number was typed.
+    #[test]
+    fn bounds_are_in_the_unit_of_the_number() {
+        let check = |domain: Domain, quantity: Quantity, suffix: &str, text: &str| {
+            let unit = quantity.units.iter().find(|(own, _)| *own == suffix);
+            assert_eq!(domain.describe(quantity, unit.expect("a unit").1), text);
+        };
+        let length = Domain::POSITIVE.up_to(0.06);
+        check(length, LENGTH, "_mm", "a finite number > 0 and ≤ 60 mm");
+        check(length, LENGTH, "_m", "a finite number > 0 and ≤ 0.06 m");
+        let inches = "a finite number > 0 and ≤ 2.3622 in (0.06 m)";
+        check(length, LENGTH, "_in", inches);
+        let absolute = Domain::at_least(101_325.0).not("kPa, bar or psi");
+        let psi = "a finite number ≥ 14.6959 psi (101325 Pa)";
+        check(absolute, PRESSURE, "_psi", psi);
+        check(absolute, PRESSURE, "_kpa", "a finite number ≥ 101.325 kPa");
+        let pascals = "a finite number ≥ 101325 Pa, not kPa, bar or psi";
+        check(absolute, PRESSURE, "_pa", pascals);
+        let degrees = "a finite number ≥ -90 deg and ≤ 90 deg";
+        check(Domain::within(PI / 2.0), ANGLE, "_deg", degrees);
+        let mass = Domain::POSITIVE.up_to(1.0);
+        let grams = "a finite number > 0 and ≤ 1000 g/mol";
+        check(mass, MOLAR_MASS, "_g_mol", grams);
+    }
 
     #[test]
     fn domains_hold_and_say_what_they_hold() {
         let check = |domain: Domain, text: &str, inside: &[f64], outside: &[f64]| {
-            assert_eq!(domain.describe("m"), text);
+            assert_eq!(domain.describe(LENGTH, Unit::SI), text);
             assert!(inside.iter().all(|&x| domain.contains(x)), "{text}");
             assert!(outside.iter().all(|&x| !domain.contains(x)), "{text}");
             assert!(
@@ -215,6 +276,13 @@ mod tests {
             &[12.0],
             &[-1.6],
         );
+        // 7 inches.
+        check(
+            Domain::POSITIVE.up_to(7.0 * 0.0254),
+            "a finite number > 0 and ≤ 0.1778 m",
+            &[0.1],
+            &[0.2],
+        );
         check(
             Domain::POSITIVE.because(", or not at all"),
             "a finite number > 0, or not at all",
@@ -226,7 +294,10 @@ mod tests {
     #[test]
     fn infinity_is_inside_where_a_domain_says_so() {
         let domain = Domain::NON_NEGATIVE.or_infinite();
-        assert_eq!(domain.describe(""), "a finite number ≥ 0, or inf");
+        assert_eq!(
+            domain.describe(NUMBER, Unit::SI),
+            "a finite number ≥ 0, or inf"
+        );
         assert!([0.0, f64::INFINITY].iter().all(|&x| domain.contains(x)));
         assert!(
             [-1.0, f64::NEG_INFINITY, f64::NAN]

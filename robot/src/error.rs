@@ -67,14 +67,17 @@ pub enum RobotError {
         allowed: String,
     },
     /// A key that the file does not have here.
-    #[error("{place}: unknown key {key}; the nearest known key is {nearest}")]
+    #[error("{place}: unknown key {key}; {}", instead(nearest.as_deref(), allowed))]
     UnknownKey {
         /// Where it stands.
         place: Place,
         /// Dotted key.
         key: String,
-        /// The known key with the fewest edits to it.
-        nearest: String,
+        /// The dotted key that is likely meant; none if each known key differs in more than a third of its
+        /// characters.
+        nearest: Option<String>,
+        /// Keys that its table may have, each in one of its units.
+        allowed: Vec<String>,
     },
     /// A key that must be there.
     #[error("{place}: missing key {}{}", spelled(keys), behind_colon(allowed))]
@@ -188,6 +191,14 @@ pub enum RobotError {
         /// Bytes before the first wrong one.
         offset: usize,
     },
+}
+
+/// What to write instead of an unknown key.
+fn instead(nearest: Option<&str>, allowed: &[String]) -> String {
+    match nearest {
+        Some(nearest) => format!("the nearest known key is {nearest}"),
+        None => format!("the keys allowed there are {}", allowed.join(", ")),
+    }
 }
 
 /// Spellings of one key: the first in full, of the others what is behind the last dot.

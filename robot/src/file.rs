@@ -193,20 +193,16 @@ fn read_tank(s: Section, robot: &mut Robot) -> Result<(), RobotError> {
     }
 }
 
-const GASES: [(&str, Gas); 3] = [
-    ("air", Gas::AIR),
-    ("co2", Gas::CO2),
-    ("nitrogen", Gas::NITROGEN),
-];
-
 /// Reads a gas by name, or a table of its constants.
 fn gas(s: &mut Section, robot: &mut Robot) {
     if s.is_table("gas") {
         s.optional_table("gas", |s| table(s, "leg.gas", robot));
         return;
     }
-    let allowed = "air, co2, nitrogen or a table of heat_ratio and constant_j_per_kg_k";
-    let gas = s.choice("gas", &GASES, allowed);
+    let names = Gas::NAMED.map(|(name, _)| name).join(", ");
+    let allowed =
+        format!("{names}, or a table of heat_ratio with constant_j_per_kg_k or molar_mass_g_mol");
+    let gas = s.choice("gas", &Gas::NAMED, &allowed);
     if let Some(cylinder) = robot.leg.cylinder_mut() {
         cylinder.gas = gas;
     }

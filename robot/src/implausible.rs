@@ -158,14 +158,16 @@ impl Robot {
     /// Keys of the robot file that are set and that the planar model of a planner leaves out; the
     /// multi-body simulation has them.
     ///
-    /// Not named are those that a jump in the plane hardly feels, such as the mass of the legs.
+    /// Not named are those that a jump in the plane hardly feels. The length of a boom is named for the arc on
+    /// which it leads the robot; its mass at the axle is in the planar model.
     pub fn beyond_the_plane(&self) -> Vec<String> {
         let is_on = |term: &&Term| {
             let value = term.of(self);
             term.spec().plane == Plane::Out && value.is_some() && value != term.off(self)
         };
         let terms = Term::ALL.iter().filter(is_on);
-        terms.map(|term| term.key(self)).collect()
+        let arc = self.boom.map(|_| Term::BoomLength.key(self));
+        terms.map(|term| term.key(self)).chain(arc).collect()
     }
 }
 
@@ -219,8 +221,15 @@ mod tests {
         for name in Robot::builtin_names() {
             let robot = Robot::builtin(name).expect("built in");
             let beyond: &[&str] = match name {
-                "rats-run" => &["foot.radius_m", "ground.static_friction"],
+                "rats-boom" => &["leg.mass_kg", "boom.length_m"],
+                "rats-run" => &[
+                    "leg.mass_kg",
+                    "foot.radius_m",
+                    "ground.static_friction",
+                    "boom.length_m",
+                ],
                 "rats-twelve" => &[
+                    "leg.mass_kg",
                     "foot.radius_m",
                     "ground.static_friction",
                     "ground.stiffness_n_per_m",

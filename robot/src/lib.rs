@@ -24,6 +24,7 @@ pub mod domain;
 mod error;
 mod file;
 mod files;
+pub mod gas;
 mod implausible;
 mod in_space;
 mod launch;
@@ -41,6 +42,7 @@ use std::path::Path;
 
 pub use error::{Place, RobotError};
 use files::{Files, ROBOTS, read_text};
+pub use gas::Gas;
 pub use implausible::Implausible;
 pub use launch::{Launch, LiftOff, Outcome};
 pub use model::*;

@@ -2,7 +2,7 @@
 
 use saltus_numeric::Scalar;
 
-use crate::{Space, Term};
+use crate::{Gas, Space, Term};
 
 /// Absolute pressure (Pa), > 0. Gauge pressures are [`GaugePressure`]; the two never mix without an
 /// ambient pressure.
@@ -413,33 +413,6 @@ pub struct ExhaustPort {
     pub position: f64,
     /// Effective area C_f A (m²), > 0.
     pub area: f64,
-}
-
-/// A calorically perfect gas.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gas {
-    /// Ratio of specific heats κ, > 1.
-    pub heat_ratio: f64,
-    /// Specific gas constant R_g (J/(kg K)), > 0.
-    pub constant: f64,
-}
-
-impl Gas {
-    /// Dry air.
-    pub const AIR: Gas = Gas {
-        heat_ratio: 1.4,
-        constant: 287.05,
-    };
-    /// Carbon dioxide.
-    pub const CO2: Gas = Gas {
-        heat_ratio: 1.30,
-        constant: 188.9,
-    };
-    /// Nitrogen.
-    pub const NITROGEN: Gas = Gas {
-        heat_ratio: 1.4,
-        constant: 296.8,
-    };
 }
 
 /// Measured force over extension and speed, on a full grid.

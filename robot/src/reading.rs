@@ -1,8 +1,10 @@
 //! Reading the terms of one table of a robot file.
 
 use crate::domain::Domain;
+use crate::gas::{Gas, MOLAR_MASSES};
 use crate::section::Section;
-use crate::terms::SUPPLY;
+use crate::terms::{GAS_CONSTANT, SUPPLIES, SUPPLY};
+use crate::units::MOLAR_MASS;
 use crate::{Robot, Term};
 
 /// Reads the terms of the table `path` that `robot` has.
@@ -19,11 +21,15 @@ fn read(s: &mut Section, term: Term, robot: &mut Robot) {
     let (spec, stem, domain) = (term.spec(), term.stem(robot), term.domain(robot));
     if spec.key == SUPPLY {
         let ambient = robot.environment.ambient.0;
+        let (_, most) = SUPPLIES.bounds();
+        let absolute = Domain::at_least(ambient)
+            .up_to(most)
+            .called("an absolute pressure");
         let ways = [
-            (stem, domain),
-            ("supply_pressure_absolute", Domain::at_least(ambient)),
+            (stem, spec.quantity, domain),
+            ("supply_pressure_absolute", spec.quantity, absolute),
         ];
-        let (way, pressure) = s.one_of(&ways, spec.quantity);
+        let (way, pressure) = s.one_of(&ways);
         term.set(
             robot,
             if way == 0 {
@@ -32,6 +38,18 @@ fn read(s: &mut Section, term: Term, robot: &mut Robot) {
                 pressure - ambient
             },
         );
+        return;
+    }
+    if spec.key == GAS_CONSTANT {
+        let ways = [
+            (stem, spec.quantity, domain),
+            ("molar_mass", MOLAR_MASS, MOLAR_MASSES),
+        ];
+        let constant = match s.one_of(&ways) {
+            (0, constant) => constant,
+            (_, molar_mass) => Gas::of_molar_mass(molar_mass, f64::NAN).constant,
+        };
+        term.set(robot, constant);
         return;
     }
     let value = match term.off(robot) {

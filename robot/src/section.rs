@@ -33,9 +33,26 @@ pub struct Section {
     path: String,
     place: Place,
     entries: Table,
-    /// Keys asked for so far.
-    known: Vec<String>,
+    /// Keys requested so far, all spellings of one thing together.
+    known: Vec<Vec<String>>,
+    /// Numbers read so far: each key without its unit, how messages name it, the value as written and in SI.
+    numbers: Vec<Number>,
     problem: Option<RobotError>,
+}
+
+/// A number that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Key in its table, without the unit.
+    pub stem: String,
+    /// Dotted key with its unit, and the item of a list.
+    pub name: String,
+    /// The value as written.
+    pub source: String,
+    /// The value (SI).
+    pub value: f64,
+    /// Where it stands.
+    pub place: Place,
 }
 
 impl Section {
@@ -70,6 +87,7 @@ impl Section {
                 place,
                 entries,
                 known: Vec::new(),
+                numbers: Vec::new(),
                 problem: None,
             }),
             _ => Err(RobotError::NotAllowed {
@@ -96,7 +114,8 @@ impl Section {
     /// # Errors
     /// [`RobotError::UnknownKey`]: the one that stands first.
     pub fn check_keys(&mut self, others: &[&str]) -> Result<(), RobotError> {
-        self.known.extend(others.iter().map(ToString::to_string));
+        self.known
+            .extend(others.iter().map(|other| vec![other.to_string()]));
         let unknown = |(key, _): &(&String, &Node)| !others.contains(&key.as_str());
         let left = self.entries.iter().filter(unknown);
         let Some((key, node)) = left.min_by_key(|(_, node)| &node.place) else {
@@ -105,13 +124,26 @@ impl Section {
         let nearest = self
             .known
             .iter()
+            .flatten()
             .min_by_key(|known| edits(known, key))
-            .map_or("", String::as_str);
+            .filter(|known| is_near(known, key));
+        let mut allowed: Vec<String> = Vec::new();
+        for spelling in self.known.iter().filter_map(|keys| keys.first()) {
+            if !allowed.contains(spelling) {
+                allowed.push(spelling.clone());
+            }
+        }
         Err(RobotError::UnknownKey {
             place: node.place.clone(),
             key: self.dotted(key),
-            nearest: self.dotted(nearest),
+            nearest: nearest.map(|nearest| self.dotted(nearest)),
+            allowed,
         })
+    }
+
+    /// The numbers read so far.
+    pub fn numbers_read(&self) -> &[Number] {
+        &self.numbers
     }
 
     /// The first problem so far, for readers that rest on what was read before.
@@ -124,34 +156,29 @@ impl Section {
 
     /// The number `stem` in SI, in whichever of its units it is given.
     pub fn number(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> f64 {
-        self.one_of(&[(stem, domain)], quantity).1
+        self.one_of(&[(stem, quantity, domain)]).1
     }
 
     /// The number `stem` in SI, if given.
     pub fn optional(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<f64> {
-        self.optional_one_of(&[(stem, domain)], quantity)
+        self.optional_one_of(&[(stem, quantity, domain)])
             .map(|(_, number)| number)
     }
 
     /// Which of several ways to give a number was taken, and the number in SI.
-    pub fn one_of(&mut self, ways: &[(&str, Domain)], quantity: Quantity) -> (usize, f64) {
-        self.optional_one_of(ways, quantity).unwrap_or_else(|| {
-            let (keys, _) = spellings(ways, quantity);
+    pub fn one_of(&mut self, ways: &[Way]) -> (usize, f64) {
+        self.optional_one_of(ways).unwrap_or_else(|| {
+            let (keys, _) = spellings(ways);
             self.missing(&keys, "");
             (0, f64::NAN)
         })
     }
 
-    fn optional_one_of(
-        &mut self,
-        ways: &[(&str, Domain)],
-        quantity: Quantity,
-    ) -> Option<(usize, f64)> {
-        let (key, way, unit, node) = self.spelled(ways, quantity)?;
-        Some((
-            way,
-            self.si(self.dotted(&key), node, (unit, quantity, ways[way].1)),
-        ))
+    fn optional_one_of(&mut self, ways: &[Way]) -> Option<(usize, f64)> {
+        let (key, way, unit, node) = self.spelled(ways)?;
+        let (stem, quantity, domain) = ways[way];
+        let name = self.dotted(&key);
+        Some((way, self.si(stem, name, node, (unit, quantity, domain))))
     }
 
     /// One number `stem` for all of `count` things, or a list with one for each (SI).
@@ -184,29 +211,30 @@ impl Section {
         domain: Domain,
         refuses: impl FnOnce(usize) -> Option<String>,
     ) -> Vec<f64> {
-        let ways = [(stem, domain)];
-        let Some((key, _, unit, node)) = self.spelled(&ways, quantity) else {
-            self.missing(&spellings(&ways, quantity).0, "");
+        let ways = [(stem, quantity, domain)];
+        let Some((key, _, unit, node)) = self.spelled(&ways) else {
+            self.missing(&spellings(&ways).0, "");
             return Vec::new();
         };
         let Value::Array(items) = &node.value else {
-            return vec![self.si(self.dotted(&key), node, (unit, quantity, domain))];
+            let name = self.dotted(&key);
+            return vec![self.si(stem, name, node, (unit, quantity, domain))];
         };
         if let Some(allowed) = refuses(items.len()) {
             self.refuse(self.dotted(&key), node, allowed);
             return Vec::new();
         }
         let items = items.clone();
-        self.items(&key, items, (unit, quantity, domain))
+        self.items((stem, &key), items, (unit, quantity, domain))
     }
 
     /// So many finite numbers `stem` (SI), if given.
     pub fn array<const N: usize>(&mut self, stem: &str, quantity: Quantity) -> Option<[f64; N]> {
-        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, Domain::FINITE)])?;
         match &node.value {
             Value::Array(items) if items.len() == N => {
                 let items = items.clone();
-                let numbers = self.items(&key, items, (unit, quantity, Domain::FINITE));
+                let numbers = self.items((stem, &key), items, (unit, quantity, Domain::FINITE));
                 numbers.try_into().ok()
             }
             _ => {
@@ -244,11 +272,11 @@ impl Section {
 
     /// Two numbers `stem` (SI), the lower first, if given.
     pub fn span(&mut self, stem: &str, quantity: Quantity, domain: Domain) -> Option<(f64, f64)> {
-        let (key, _, unit, node) = self.spelled(&[(stem, domain)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, domain)])?;
         let allowed = "a list of two numbers, the lower first";
         match &node.value {
             Value::Array(items) if items.len() == 2 => {
-                let numbers = self.items(&key, items.clone(), (unit, quantity, domain));
+                let numbers = self.items((stem, &key), items.clone(), (unit, quantity, domain));
                 if numbers[0] >= numbers[1] {
                     self.refuse(self.dotted(&key), node, allowed.into());
                 }
@@ -302,12 +330,12 @@ impl Section {
     /// The numbers (SI) of the list `key`; messages count its items from 1.
     fn items(
         &mut self,
-        key: &str,
+        (stem, key): (&str, &str),
         items: Vec<Node>,
         meaning: (Unit, Quantity, Domain),
     ) -> Vec<f64> {
         let name = self.dotted(key);
-        let item = |(i, item)| self.si(format!("{name} item {}", i + 1), item, meaning);
+        let item = |(i, item)| self.si(stem, format!("{name} item {}", i + 1), item, meaning);
         items.into_iter().enumerate().map(item).collect()
     }
 
@@ -319,7 +347,7 @@ impl Section {
         allowed: &str,
         read: impl FnOnce(&str, Unit) -> Option<T>,
     ) -> Option<T> {
-        let (key, _, unit, node) = self.spelled(&[(stem, Domain::FINITE)], quantity)?;
+        let (key, _, unit, node) = self.spelled(&[(stem, quantity, Domain::FINITE)])?;
         let value = match &node.value {
             Value::Number(literal) => read(literal, unit),
             _ => None,
@@ -333,6 +361,7 @@ impl Section {
     /// The number of `node` in SI, which must be in its domain; messages call it `name`.
     fn si(
         &mut self,
+        stem: &str,
         name: String,
         node: Node,
         (unit, quantity, domain): (Unit, Quantity, Domain),
@@ -341,21 +370,25 @@ impl Section {
             Value::Number(literal) => unit.si(literal),
             _ => f64::NAN,
         };
-        if !domain.contains(number) {
-            self.refuse(name, node, domain.describe(quantity.si));
+        if domain.contains(number) {
+            self.numbers.push(Number {
+                stem: stem.into(),
+                name,
+                source: node.source,
+                value: number,
+                place: node.place,
+            });
+        } else {
+            self.refuse(name, node, domain.describe(quantity, unit));
         }
         number
     }
 
     /// The key in which one of `ways` is given, which way that is, its unit and its value.
-    fn spelled(
-        &mut self,
-        ways: &[(&str, Domain)],
-        quantity: Quantity,
-    ) -> Option<(String, usize, Unit, Node)> {
-        let (mut keys, meanings) = spellings(ways, quantity);
+    fn spelled(&mut self, ways: &[Way]) -> Option<(String, usize, Unit, Node)> {
+        let (mut keys, meanings) = spellings(ways);
         let spelling = self.given(&keys)?;
-        let node = self.take(&keys[spelling])?;
+        let node = self.entries.remove(&keys[spelling])?;
         let (way, unit) = meanings[spelling];
         Some((keys.swap_remove(spelling), way, unit, node))
     }
@@ -418,7 +451,7 @@ impl Section {
 
     /// Refuses `key`: it must be `allowed`, such as left out.
     pub fn refuse_key(&mut self, key: &str, allowed: &str) {
-        if let Some(node) = self.take(key) {
+        if let Some(node) = self.entries.remove(key) {
             self.refuse(self.dotted(key), node, allowed.into());
         }
     }
@@ -526,6 +559,7 @@ impl Section {
             place: self.place.clone(),
             entries: Table::new(),
             known: Vec::new(),
+            numbers: Vec::new(),
             problem: None,
         }
     }
@@ -553,8 +587,11 @@ impl Section {
     /// earlier override spells otherwise.
     pub fn given(&mut self, keys: &[impl AsRef<str>]) -> Option<usize> {
         let mut given: Vec<(usize, Node)> = Vec::new();
+        self.known
+            .push(keys.iter().map(|key| key.as_ref().to_owned()).collect());
         for (spelling, key) in keys.iter().enumerate() {
-            given.extend(self.take(key.as_ref()).map(|node| (spelling, node)));
+            let node = self.entries.remove(key.as_ref());
+            given.extend(node.map(|node| (spelling, node)));
         }
         given.sort_by(|(_, a), (_, b)| a.place.cmp(&b.place));
         let (newest, node) = given.pop()?;
@@ -588,7 +625,7 @@ impl Section {
 
     /// Whether the number `stem` is given, in any of its units.
     pub(crate) fn gives(&self, stem: &str, quantity: Quantity) -> bool {
-        let (keys, _) = spellings(&[(stem, Domain::FINITE)], quantity);
+        let (keys, _) = spellings(&[(stem, quantity, Domain::FINITE)]);
         keys.iter().any(|key| self.entries.contains_key(key))
     }
 
@@ -599,6 +636,7 @@ impl Section {
             place: self.place.clone(),
             entries: Table::new(),
             known: Vec::new(),
+            numbers: Vec::new(),
             problem: None,
         }
     }
@@ -620,7 +658,7 @@ impl Section {
     }
 
     fn take(&mut self, key: &str) -> Option<Node> {
-        self.known.push(key.into());
+        self.known.push(vec![key.into()]);
         self.entries.remove(key)
     }
 
@@ -651,17 +689,17 @@ impl Section {
     }
 }
 
-/// The keys that say one of `ways` in one of the units of `quantity`, and what each means.
-fn spellings(ways: &[(&str, Domain)], quantity: Quantity) -> (Vec<String>, Vec<(usize, Unit)>) {
-    ways.iter()
-        .enumerate()
-        .flat_map(|(way, (stem, _))| {
-            quantity
-                .units
-                .iter()
-                .map(move |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit)))
-        })
-        .unzip()
+/// A way to give a number: the key without its unit, what it measures, and what is allowed.
+pub type Way<'a> = (&'a str, Quantity, Domain);
+
+/// The keys that say one of `ways` in one of its units, and what each means.
+fn spellings(ways: &[Way]) -> (Vec<String>, Vec<(usize, Unit)>) {
+    let keys = |(way, (stem, quantity, _)): (usize, &Way)| {
+        let units = quantity.units.iter();
+        let spelled = |&(suffix, unit)| (format!("{stem}{suffix}"), (way, unit));
+        units.map(spelled).collect::<Vec<_>>()
+    };
+    ways.iter().enumerate().flat_map(keys).unzip()
 }
 
 /// A value and its standard deviation.
@@ -680,12 +718,23 @@ fn pair(value: &Value) -> Option<[f64; 2]> {
     }
 }
 
+/// Whether one is likely the other, misspelt: at most a third of its characters differ, or two letters are
+/// exchanged.
+fn is_near(a: &str, b: &str) -> bool {
+    let length = |text: &str| text.chars().take(MOST_EDITS).count();
+    let (edits, length) = (edits(a, b), length(a).max(length(b)));
+    3 * edits <= length || (edits <= 2 && edits < length)
+}
+
+/// Characters of a text that are compared.
+const MOST_EDITS: usize = 64;
+
 /// Characters to insert, delete or replace to get from `a` to `b` (Levenshtein); of a long text
 /// only the beginning counts.
 pub fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
+    let b: Vec<char> = b.chars().take(MOST_EDITS).collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().take(64).enumerate() {
+    for (i, from) in a.chars().take(MOST_EDITS).enumerate() {
         let mut diagonal = row[0];
         row[0] = i + 1;
         for (j, &to) in b.iter().enumerate() {

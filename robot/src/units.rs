@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// How a number in some unit becomes SI.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unit {
     /// SI times a power of ten.
     Decimal(i64),
@@ -14,6 +14,21 @@ pub enum Unit {
 impl Unit {
     /// The SI unit itself.
     pub const SI: Unit = Unit::Decimal(0);
+
+    /// A number in SI as one of this unit, to six digits if it has more; the second is whether it has.
+    pub(crate) fn written(self, number: f64) -> (String, bool) {
+        match self {
+            Unit::Decimal(power) => (shifted(&number.to_string(), -power).to_string(), false),
+            Unit::Times(factor) => {
+                let shown: f64 = format!("{:.5e}", number / factor)
+                    .parse()
+                    .unwrap_or(f64::NAN);
+                // A factor and its inverse round twice.
+                let is_cut = (shown * factor - number).abs() > 1e-15 * number.abs();
+                (shown.to_string(), is_cut)
+            }
+        }
+    }
 
     /// The decimal `literal` in SI, infinite for `inf`; NaN where it is anything else or too large.
     pub fn si(self, literal: &str) -> f64 {
@@ -65,6 +80,31 @@ pub struct Quantity {
     pub units: &'static [(&'static str, Unit)],
 }
 
+impl Quantity {
+    /// One of its units as messages write it.
+    pub fn symbol(&self, unit: Unit) -> String {
+        let same = |(_, own): &&(&str, Unit)| *own == unit;
+        let suffix = self
+            .units
+            .iter()
+            .find(same)
+            .map_or("", |(suffix, _)| suffix);
+        match suffix.strip_prefix('_') {
+            _ if unit == Unit::SI => self.si,
+            None => suffix,
+            Some("mm2") => "mm²",
+            Some("cm3") => "cm³",
+            Some("us") => "µs",
+            Some("kpa") => "kPa",
+            Some("deg_s") => "deg/s",
+            Some("n_per_mm") => "N/mm",
+            Some("g_mol") => "g/mol",
+            Some(plain) => plain,
+        }
+        .into()
+    }
+}
+
 const MILLI: Unit = Unit::Decimal(-3);
 /// One pound (kg): the international avoirdupois pound.
 const POUND: Unit = Unit::Times(0.453_592_37);
@@ -113,6 +153,7 @@ quantities! {
     TEMPERATURE, "K", [0, 0, 0]: "_k" Unit::SI;
     THERMAL_RESISTANCE, "K/W", [-1, -2, 3]: "_k_per_w" Unit::SI;
     GAS_CONSTANT, "J/(kg K)", [0, 2, -2]: "_j_per_kg_k" Unit::SI;
+    MOLAR_MASS, "kg/mol", [1, 0, 0]: "_kg_mol" Unit::SI, "_g_mol" MILLI;
     PER_LENGTH, "1/m", [0, -1, 0]: "_per_m" Unit::SI;
 }
 

@@ -40,7 +40,7 @@ pub(crate) enum CliError {
         /// The command, the flag or the value.
         asked: String,
         /// Where it is.
-        place: crate::cli::Place,
+        place: String,
     },
     /// A value in a file.
     #[error("{file}:{line}: {key} = {value}: must be {allowed}")]

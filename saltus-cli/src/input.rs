@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use saltus::course;
 use saltus::planner::Crossing;
 
 use crate::error::CliError;
@@ -42,14 +43,20 @@ pub(crate) fn bytes(path: &Path, limit_mib: u64) -> Result<Vec<u8>, CliError> {
     Ok(saltus::input::bytes(path, limit_mib)?)
 }
 
-/// The course in the file at `path`.
+/// The course in the file at `path`; numbers out of their usual range are warned of.
 pub(crate) fn course(path: &Path) -> Result<Crossing, CliError> {
-    if let Some(text) = given(path) {
-        return Ok(saltus::course::parse(&text, &path.display().to_string())?);
+    let text = if let Some(text) = given(path) {
+        text
+    } else {
+        note(path);
+        spared()?;
+        saltus::input::text(path, course::LIMIT_MIB)?
+    };
+    let (crossing, warnings) = course::read(&text, &path.display().to_string())?;
+    for warning in warnings {
+        output::message(&format!("warning: {warning}"));
     }
-    note(path);
-    spared()?;
-    Ok(saltus::course::load(path)?)
+    Ok(crossing)
 }
 
 /// What another program gave in the place of this file.

@@ -59,10 +59,9 @@ impl Progress {
         session::obey(self.stop.as_ref());
         note.clone_into(&mut self.note.lock().unwrap_or_else(PoisonError::into_inner));
     }
-}
 
-impl Drop for Progress {
-    fn drop(&mut self) {
+    /// Takes the line away: the work is done, and what is written now stands alone.
+    pub(crate) fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(watcher) = self
             .watcher
@@ -74,6 +73,12 @@ impl Drop for Progress {
             // A watcher that died has shown what it could.
             let _ = watcher.join();
         }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.end();
     }
 }
 

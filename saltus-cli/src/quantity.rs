@@ -43,31 +43,37 @@ impl Quantity {
         HEIGHT LENGTH "a height from -1000 to 1000 m" |x| x.abs() <= 1e3;
     }
 
-    /// The units, each with how flags write it: `_rad_s` of a key is `rad/s`.
-    fn units(&self) -> impl Iterator<Item = (String, Unit)> {
-        let written = |key: &str| key.trim_start_matches('_').replace('_', "/");
-        let units = self.units.units.iter();
-        units.map(move |(key, unit)| (written(key), *unit))
-    }
-
     /// The number that `text` gives, in the SI unit.
     pub(crate) fn parse(&self, text: &str) -> Result<f64, QuantityError> {
-        let trimmed = text.trim();
-        let ends = self.units().filter(|(unit, _)| trimmed.ends_with(unit));
-        // `m` is the end of others.
-        let (unit, scale) = ends
-            .max_by_key(|(unit, _)| unit.len())
-            .unwrap_or_else(|| (String::new(), Unit::SI));
-        let number = scale.si(trimmed.strip_suffix(&*unit).unwrap_or_default().trim_end());
-        if number.is_finite() && (self.legal)(number) {
+        if let Some(number) = value(text, self.units).filter(|x| (self.legal)(*x)) {
             return Ok(number);
         }
         Err(QuantityError {
             value: cut(text),
             allowed: self.allowed,
-            units: self.units().map(|(unit, _)| unit).collect(),
+            units: written(self.units).map(|(unit, _)| unit).collect(),
         })
     }
+}
+
+/// The units of a quantity, each with how flags write it: `_rad_s` of a key is `rad/s`.
+fn written(of: &units::Quantity) -> impl Iterator<Item = (String, Unit)> {
+    let written = |key: &str| key.trim_start_matches('_').replace('_', "/");
+    of.units
+        .iter()
+        .map(move |(key, unit)| (written(key), *unit))
+}
+
+/// The finite number (SI) that `text` gives, in one of the quantity's units.
+pub(crate) fn value(text: &str, of: &units::Quantity) -> Option<f64> {
+    let trimmed = text.trim();
+    let ends = written(of).filter(|(unit, _)| trimmed.ends_with(unit));
+    // `m` is the end of others.
+    let (unit, scale) = ends
+        .max_by_key(|(unit, _)| unit.len())
+        .unwrap_or_else(|| (String::new(), Unit::SI));
+    let number = scale.si(trimmed.strip_suffix(&*unit).unwrap_or_default().trim_end());
+    Some(number).filter(|x| x.is_finite())
 }
 
 /// A text that is not an allowed number.

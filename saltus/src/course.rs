@@ -6,13 +6,14 @@ use std::path::Path;
 use saltus_planner::Crossing;
 use saltus_planner::course::{Course, MAX_JUMPS, Obstacle, Span};
 use saltus_robot::domain::Domain;
-use saltus_robot::section::Section;
+use saltus_robot::section::{Number, Section};
 use saltus_robot::units::{ANGLE, ANGULAR_RATE, LENGTH, NUMBER, TIME};
 
 use crate::input::{self, InputError};
+use crate::usual;
 
 /// Greatest size of a file (MiB).
-const LIMIT_MIB: u64 = 4;
+pub const LIMIT_MIB: u64 = 4;
 /// Most obstacles, and most no-landing areas.
 const MOST: usize = 64;
 /// Places (m) that the planner takes.
@@ -41,7 +42,17 @@ pub fn load(path: impl AsRef<Path>) -> Result<Crossing, InputError> {
 /// # Errors
 /// [`InputError`] where it is no course.
 pub fn parse(text: &str, file: &str) -> Result<Crossing, InputError> {
+    read(text, file).map(|(crossing, _)| crossing)
+}
+
+/// The course that `text` describes, and a warning for each number out of its [usual](usual) range; messages
+/// call it `file`.
+///
+/// # Errors
+/// [`InputError`] if it is no course.
+pub fn read(text: &str, file: &str) -> Result<(Crossing, Vec<String>), InputError> {
     let mut root = Section::file(text, file)?;
+    refuse_unsupported(&mut root);
     let jumps = root.count_to("jumps", MAX_JUMPS).unwrap_or(1);
     let start = root.optional("start_x", LENGTH, PLACE).unwrap_or(0.0);
     let start_height = root.optional("start_height", LENGTH, SIZE).unwrap_or(0.0);
@@ -62,6 +73,7 @@ pub fn parse(text: &str, file: &str) -> Result<Crossing, InputError> {
     };
     let mut crossing = Crossing::new(course, 0.0);
     numbers(&mut root, &mut crossing);
+    let mut warnings = unusual(&root);
     let place = root.place().clone();
     let [obstacle, land, avoid] = [("obstacle", MOST), ("land", jumps), ("avoid", MOST)]
         .map(|(key, most)| root.tables(key, most));
@@ -81,10 +93,56 @@ pub fn parse(text: &str, file: &str) -> Result<Crossing, InputError> {
             return Err(InputError::content(place, reason));
         }
     };
-    crossing.course.obstacles = obstacles(obstacle)?;
-    crossing.zones = zones(land, jumps)?;
-    crossing.course.no_landing = avoid.into_iter().map(zone).collect::<Result<_, _>>()?;
-    Ok(crossing)
+    crossing.course.obstacles = obstacles(obstacle, &mut warnings)?;
+    crossing.zones = zones(land, jumps, &mut warnings)?;
+    let avoid = avoid.into_iter().map(|area| zone(area, &mut warnings));
+    crossing.course.no_landing = avoid.collect::<Result<_, _>>()?;
+    Ok((crossing, warnings))
+}
+
+/// Where the last jump has to land (m), if the course does not say so by a goal and its cost counts the
+/// distance from the target.
+pub fn demanded_target(crossing: &Crossing) -> Option<f64> {
+    let goal = crossing.course.goal;
+    let is_open = goal.low <= ANYWHERE.low && goal.high >= ANYWHERE.high;
+    (is_open && crossing.deviation_weight > 0.0).then_some(crossing.target)
+}
+
+/// Beginnings of keys for what a course cannot have, and what to do.
+const UNSUPPORTED: [(&[&str], &str); 3] = [
+    (
+        &["ceiling", "roof", "overhang"],
+        "left out: a course has no ceilings. The top of the wheel is at apex_m of `saltus plan` plus the \
+         wheel's radius; later firing angles, a higher lower end of firing_angle_rad, make lower jumps",
+    ),
+    (
+        &["slope", "ramp", "incline"],
+        "left out: the ground of a course is level, and [[obstacle]] boxes that touch make a stair. On a tilted \
+         floor, `saltus verify --plant-set ground.tilt_deg=2` flies what was planned for a level one",
+    ),
+    (
+        &["gap", "ditch", "pit"],
+        "left out: ground on which no jump may land is [[avoid]] with from_x_m and to_x_m",
+    ),
+];
+
+fn refuse_unsupported(root: &mut Section) {
+    for key in root.keys() {
+        let is_of = |(words, _): &&(&[&str], _)| words.iter().any(|word| key.starts_with(word));
+        if let Some((_, advice)) = UNSUPPORTED.iter().find(is_of) {
+            root.refuse_key(&key, advice);
+        }
+    }
+}
+
+/// A warning for each number that was read and is out of its usual range.
+fn unusual(section: &Section) -> Vec<String> {
+    let numbers = section.numbers_read().iter();
+    let warning = |it: &Number| {
+        let written = format!("{}: {} = {}", it.place, it.name, it.source);
+        usual::of_key(&it.stem)?.warning(&written, &it.source, it.value)
+    };
+    numbers.filter_map(warning).collect()
 }
 
 /// Reads how the course is to be crossed into `crossing`, whose numbers stand for keys that are not
@@ -120,12 +178,16 @@ fn numbers(root: &mut Section, crossing: &mut Crossing) {
     }
 }
 
-fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, InputError> {
+fn obstacles(
+    sections: Vec<Section>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Obstacle>, InputError> {
     let mut obstacles: Vec<Obstacle> = Vec::with_capacity(sections.len());
     for mut section in sections {
         let front = section.number("front_x", LENGTH, PLACE);
         let width = section.number("width", LENGTH, EXTENT);
         let height = section.number("height", LENGTH, EXTENT);
+        warnings.extend(unusual(&section));
         let place = section.place().clone();
         section.finish(())?;
         let obstacle = Obstacle {
@@ -151,12 +213,16 @@ fn obstacles(sections: Vec<Section>) -> Result<Vec<Obstacle>, InputError> {
 }
 
 /// Where each jump has to land.
-fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, InputError> {
+fn zones(
+    sections: Vec<Section>,
+    jumps: usize,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Option<Span>>, InputError> {
     let mut zones = vec![None; jumps];
     for (i, mut section) in sections.into_iter().enumerate() {
         let jump = section.count_to("jump", jumps).unwrap_or(i + 1);
         let place = section.place().clone();
-        let span = zone(section)?;
+        let span = zone(section, warnings)?;
         if zones[jump - 1].replace(span).is_some() {
             return Err(InputError::content(
                 place,
@@ -167,11 +233,12 @@ fn zones(sections: Vec<Section>, jumps: usize) -> Result<Vec<Option<Span>>, Inpu
     Ok(zones)
 }
 
-fn zone(mut section: Section) -> Result<Span, InputError> {
+fn zone(mut section: Section, warnings: &mut Vec<String>) -> Result<Span, InputError> {
     let (from, to) = (
         section.number("from_x", LENGTH, PLACE),
         section.number("to_x", LENGTH, PLACE),
     );
+    warnings.extend(unusual(&section));
     let place = section.place().clone();
     section.finish(())?;
     if from < to {
@@ -323,6 +390,22 @@ to_x_m = 1
             "to_x_m = 0.2",
             "a.toml:10: to_x_m must be beyond from_x_m",
         );
+        check(
+            "front_x_m = 0.4",
+            "x_m = 0.4",
+            "a.toml:7: unknown key obstacle 1.x_m; the keys allowed there are front_x_m, width_m, \
+             height_m",
+        );
+        check(
+            "[[avoid]]",
+            "[[ceiling]]\nheight_m = 1\n[[avoid]]",
+            "ceiling = [[ceiling]]: must be left out: a course has no ceilings",
+        );
+        check(
+            "jumps = 2",
+            "jumps = 2\nslope_deg = 5",
+            "a.toml:2: slope_deg = 5: must be left out: the ground of a course is level",
+        );
         check("[[obstacle]]", "[obstacle]", "obstacle = ");
         check(
             "[[avoid]]",
@@ -366,6 +449,56 @@ to_x_m = 1
             error.contains("obstacle 1.width_mm is already given as obstacle 1.width_m"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn numbers_out_of_their_usual_range_are_warned_of_where_they_stand() {
+        let check = |from: &str, to: &str, warning: &str| {
+            let (_, warnings) = read(&GOOD.replacen(from, to, 1), "a.toml").unwrap();
+            assert_eq!(warnings, [warning]);
+        };
+        assert_eq!(read(GOOD, "a.toml").unwrap().1, [""; 0]);
+        check(
+            "[5, 4.5]",
+            "[5, 400]",
+            "a.toml:2: approach_rate_rad_s item 2 = 400: the model is for 0 to 30 rad/s; is it in \
+             deg/s?",
+        );
+        check(
+            "height_m = 0.1",
+            "height_mm = 100000",
+            "a.toml:9: obstacle 1.height_mm = 100000: the model is for 0 to 10 m",
+        );
+        check(
+            "height_m = 0.1",
+            "height_m = 100",
+            "a.toml:9: obstacle 1.height_m = 100: the model is for 0 to 10 m; is it in mm?",
+        );
+        check(
+            "to_x_m = 1\n",
+            "to_x_m = 1000\n",
+            "a.toml:15: avoid 1.to_x_m = 1000: the model is for -100 to 100 m; is it in mm?",
+        );
+        check(
+            "jumps = 2",
+            "margin_sigmas = 20\njumps = 2",
+            "a.toml:1: margin_sigmas = 20: the model is for 0 to 6",
+        );
+    }
+
+    /// What a course demands is a target alone, if its cost counts.
+    #[test]
+    fn a_target_is_demanded_if_no_goal_is_given() {
+        let target = |text: &str| demanded_target(&parse(text, "a.toml").unwrap());
+        let course = "approach_rate_rad_s = 5\ntarget_x_m = 4\n";
+        assert_eq!(target(course), Some(4.0));
+        for more in [
+            "goal_from_x_m = 0",
+            "goal_to_x_m = 5",
+            "deviation_weight = 0",
+        ] {
+            assert_eq!(target(&format!("{course}{more}")), None, "{more}");
+        }
     }
 
     proptest! {

@@ -58,6 +58,7 @@ pub mod running;
 pub mod simulated;
 pub mod study;
 pub mod temporary;
+pub mod usual;
 pub mod verify;
 
 pub use saltus_ballistic as ballistic;

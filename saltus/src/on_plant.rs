@@ -26,7 +26,7 @@
 use std::cell::RefCell;
 
 use saltus_lagrangian::{Launch, StanceError};
-use saltus_numeric::parallel::in_chunks;
+use saltus_numeric::{parallel::in_chunks, plain};
 use saltus_planner::course::{Span, Watch};
 use saltus_planner::{
     Cell, Corrected, Correction, Crossing, CrossingAnswer, CrossingError, CrossingPlan, Effort,
@@ -77,8 +77,10 @@ pub type PlantJump = Jump;
 pub enum PlantError {
     /// A course, and a landing, are laid out for one wheel.
     #[error(
-        "body.wheel_radius_m = {plant}: must be that of robot {robot}, {planned}: footholds and \
-         landing heights count from it"
+        "body.wheel_radius_m = {}: must be that of robot {robot}, {}: footholds and landing heights \
+         count from it",
+        plain(*plant),
+        plain(*planned)
     )]
     Radius {
         /// Of the plant (m).

@@ -4,7 +4,8 @@ use saltus_gait::Summary;
 use saltus_numeric::statistics::median;
 use saltus_robot::Robot;
 
-/// Speeds (m/s) over the last 4 s from which a robot counts as running.
+/// Speeds (m/s, in the direction of the run) over the last 4 s, or over all of a shorter run, from which a robot counts as
+/// running.
 ///
 /// Below 1.5 m/s a robot stands or rocks; the high bounce of a fixed
 /// gait is at 1.8 m/s, the fast mode above 2.5 m/s.
@@ -48,7 +49,8 @@ impl Share {
     }
 }
 
-/// What the runs of many robots came to.
+/// What the runs of many robots came to. Speeds are positive forwards: of runs backwards, the least and the greatest are
+/// those in size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Together {
     /// Robots that could be simulated.
@@ -78,22 +80,25 @@ impl Together {
             count: runs.clone().filter(|run| holds(run)).count(),
             of: robots,
         };
-        let running = RUNS_FROM.map(|least| share(&|run| sign * run.last_speed > least));
+        let running = RUNS_FROM.map(|least| share(&|run| sign * run.late_speed() > least));
         let runners = runs
             .clone()
-            .filter(|run| sign * run.last_speed > RUNS_FROM[0]);
-        let speeds = runners.clone().map(|run| sign * run.last_speed);
+            .filter(|run| sign * run.late_speed() > RUNS_FROM[0]);
+        let speeds = runners.clone().map(|run| sign * run.late_speed());
+        let signed = |speed: f64| sign * speed;
         let times = runs.clone().filter_map(|run| run.reached_3_2);
-        let starts = runs.clone().filter_map(|run| run.speed_at_1_6);
+        let starts = runs
+            .clone()
+            .filter_map(|run| Some(sign * run.speed_at_1_6?));
         let gas = runners.map(|run| run.gas / run.travel.abs());
         Together {
             robots,
             running,
-            speed: three(speeds),
+            speed: three(speeds).map(|all| all.map(signed)),
             reached: share(&|run| run.reached_3_2.is_some()),
             time_to_3_2: three(times).map(|[least, middle, _]| [least, middle]),
             within_3_s: share(&|run| run.reached_3_2.is_some_and(|time| time < 3.0)),
-            speed_at_1_6: three(starts).map(|[_, middle, most]| [middle, most]),
+            speed_at_1_6: three(starts).map(|[_, middle, most]| [middle, most].map(signed)),
             gas_per_metre: three(gas).map(|[_, middle, _]| middle),
         }
     }

@@ -2,12 +2,14 @@
 
 use std::fmt::Display;
 
+use saltus_numeric::plain;
+
 /// A mechanism that cannot be, a start that cannot be, or a motion that cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
     /// A number is outside its domain.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", plain(*value))]
     Input {
         /// What was given, with its unit.
         name: String,
@@ -37,8 +39,10 @@ pub enum SimError {
     },
     /// The start has a point inside the ground or an obstacle.
     #[error(
-        "point '{point}' starts {depth} m inside {surface}; a start must not penetrate by more \
-         than {allowed} m"
+        "point '{point}' starts {} m inside {surface}; a start must not penetrate by more \
+         than {} m",
+        plain(*depth),
+        plain(*allowed)
     )]
     Penetration {
         /// Name of the contact point.
@@ -51,7 +55,7 @@ pub enum SimError {
         allowed: f64,
     },
     /// A joint starts beyond an end stop.
-    #[error("joint of body '{body}' starts at {value}, outside its stops {low} to {high}")]
+    #[error("joint of body '{body}' starts at {}, outside its stops {} to {}", plain(*value), plain(*low), plain(*high))]
     BeyondStop {
         /// The body that the joint carries.
         body: String,
@@ -64,9 +68,10 @@ pub enum SimError {
     },
     /// No contact forces agree with Coulomb's law and rigid bodies.
     #[error(
-        "t = {time} s: the contact cannot be solved: no forces were found that obey the laws of motion with {}. \
+        "t = {} s: the contact cannot be solved: no forces were found that obey the laws of motion with {}. \
          On rigid ground there may be none (Painlevé's paradox): set ground.static_friction to a smaller \
          number, such as 0.8, or make the ground compliant: ground.stiffness_n_per_m. On compliant ground take shorter steps",
+        plain(*time),
         limit_of(*friction)
     )]
     Inconsistent {
@@ -76,7 +81,7 @@ pub enum SimError {
         friction: f64,
     },
     /// More events than a motion can have.
-    #[error("t = {time} s: more than {limit} events within {span} s; the last was: {last}")]
+    #[error("t = {} s: more than {limit} events within {span} s; the last was: {last}", plain(*time))]
     TooManyEvents {
         /// When (s).
         time: f64,
@@ -88,7 +93,7 @@ pub enum SimError {
         last: String,
     },
     /// More steps than were allowed.
-    #[error("t = {time} s: {limit} steps were not enough; what moves is too stiff or too fast")]
+    #[error("t = {} s: {limit} steps were not enough; what moves is too stiff or too fast", plain(*time))]
     TooManySteps {
         /// When (s).
         time: f64,
@@ -97,8 +102,10 @@ pub enum SimError {
     },
     /// The integrator cannot go on.
     #[error(
-        "t = {time} s: the motion cannot be integrated further (step of {step} s); a number is \
-         infinite or not one"
+        "t = {} s: the motion cannot be integrated further (step of {} s); a number is \
+         infinite or not one",
+        plain(*time),
+        plain(*step)
     )]
     Stuck {
         /// When (s).
@@ -108,8 +115,10 @@ pub enum SimError {
     },
     /// A fixed step has led to numbers that are none, or beyond all bounds.
     #[error(
-        "t = {time} s: the motion diverges in fixed steps of {step} s; take shorter ones, or \
-         adaptive ones"
+        "t = {} s: the motion diverges in fixed steps of {} s; take shorter ones, or \
+         adaptive ones",
+        plain(*time),
+        plain(*step)
     )]
     Diverged {
         /// When (s).

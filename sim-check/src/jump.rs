@@ -336,7 +336,7 @@ impl Recorder<'_> {
             .sim
             .events()
             .iter()
-            .find(|e| e.time < stance && e.what == Happening::Slip(0, 0))
+            .find(|e| e.time < stance && e.what == Happening::Slip(0, 0, 0))
             .map(|e| e.time);
         let mut slipped = [0.0; 2];
         for pair in standing.windows(2) {

@@ -254,8 +254,13 @@ impl Writer<'_> {
         // Without it, MuJoCo gives the sphere the mass of water.
         self.inertial(0.0, &Vec3::zeros(), &Matrix3::zeros());
         for (use_, radius) in [("visual", seen), ("collision", touches)] {
-            let radius = number(radius);
             self.xml.open(use_);
+            if use_ == "collision" && radius > point.radius {
+                // A foot that is a point is a sphere that ends there.
+                let back = vector(&(point.center.normalize() * (point.radius - radius)));
+                self.xml.leaf(format_args!(r#"origin xyz="{back}""#));
+            }
+            let radius = number(radius);
             self.geometry(format_args!(r#"sphere radius="{radius}""#));
             if use_ == "visual" {
                 self.xml.leaf(r#"material name="foot""#);

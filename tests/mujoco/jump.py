@@ -51,7 +51,7 @@ class Chamber:
     """
 
     def __init__(self, leg, environment):
-        gases = {"air": (1.4, 287.05), "co2": (1.30, 188.9)}
+        gases = {"air": (1.4, 287.05), "co2": (1.289, 188.924)}
         if leg["gas"] not in gases:
             raise SystemExit(f"leg.gas = {leg['gas']}: must be one of {', '.join(gases)}")
         self.kappa, self.constant = gases[leg["gas"]]

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 use saltus_numeric::statistics::quantile;
 use saltus_robot::Robot;
-use saltus_robot::units::{Quantity, Unit};
+use saltus_robot::gas::HEAT_RATIOS;
+use saltus_robot::units::{NUMBER, Quantity, Unit};
 
 use super::{Causes, unknown};
 use crate::experiment::{Experiment, Sort};
@@ -47,7 +48,7 @@ const TANK: (Quantity, Domain) = (
     Domain::POSITIVE
         .up_to(0.5)
         .called("a volume")
-        .because(", not l, cm3 or mm3"),
+        .not("l, cm3 or mm3"),
 );
 
 /// A height that the links reach, or how far they jump.
@@ -81,6 +82,7 @@ const RIG: &[Setting] = &[
         "gas_constant_j_kg_k",
         (plain("J/(kg K)", &[("_j_kg_k", Unit::SI)]), SHARE),
     ),
+    optional("heat_ratio", (NUMBER, HEAT_RATIOS)),
     required(
         "tube_length_m",
         length(Domain::POSITIVE.up_to(30.0), "a length"),

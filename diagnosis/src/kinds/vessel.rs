@@ -8,7 +8,8 @@ use saltus_numeric::hermite;
 use saltus_numeric::statistics::quantile;
 use saltus_pneumatics::OrificeLaw;
 use saltus_robot::Gas as Perfect;
-use saltus_robot::units::{NUMBER, Quantity, Unit};
+use saltus_robot::gas;
+use saltus_robot::units::{MOLAR_MASS, NUMBER};
 
 use super::{Causes, FREE, amount, causes, delay, faults, gain, offset, simple, unknown};
 use crate::experiment::{Experiment, Run, Sort};
@@ -648,25 +649,6 @@ fn runge_kutta(t: f64, y: [f64; 2], h: f64, f: &impl Fn(f64, [f64; 2]) -> [f64; 
     std::array::from_fn(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
 }
 
-const MOLAR_MASS: (Quantity, Domain) = (
-    Quantity {
-        si: "kg/mol",
-        dimension: [1, 0, 0],
-        units: &[("_kg_mol", Unit::SI), ("_g_mol", Unit::Decimal(-3))],
-    },
-    Domain::POSITIVE
-        .up_to(1.0)
-        .called("a molar mass")
-        .because(", not g/mol"),
-);
-/// At most 5/3, that of single atoms, as it is rounded.
-const HEAT_RATIO: (Quantity, Domain) = (
-    NUMBER,
-    Domain::above(1.0)
-        .up_to(1.67)
-        .called("a ratio of heat capacities"),
-);
-
 /// The kind.
 pub(super) const SPEC: Spec = Spec {
     sort: Sort::Vessel,
@@ -690,8 +672,8 @@ pub(super) const SPEC: Spec = Spec {
             form: Form::Word,
             ..optional(contents::NAME, (NUMBER, Domain::FINITE))
         },
-        optional(contents::MOLAR_MASS, MOLAR_MASS),
-        optional(contents::HEAT_RATIO, HEAT_RATIO),
+        optional(contents::MOLAR_MASS, (MOLAR_MASS, gas::MOLAR_MASSES)),
+        optional(contents::HEAT_RATIO, (NUMBER, gas::HEAT_RATIOS)),
     ],
     instants: &[RELEASE],
     least: 5,

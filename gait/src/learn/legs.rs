@@ -5,11 +5,11 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::GaitError;
 use crate::error::require;
 use crate::senses::{LONG_AGO, SEEN};
 use crate::surroundings::Surroundings;
 use crate::world::Motion;
+use crate::{Command, GaitError};
 
 use super::plant::{Body, End, Ledger, Plant};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
@@ -97,8 +97,7 @@ impl Episode for OnLegs {
     fn step(&mut self, act: Act<'_>) -> Result<Step, GaitError> {
         let choice = act.choice(1 + self.body.legs())?;
         self.ledger.require_open()?;
-        self.body.open(choice.checked_sub(1))?;
-        self.body.go_on(None)?;
+        self.body.go_on(Command::Hold(choice.checked_sub(1)))?;
         self.left -= 1;
         let motion = self.body.motion();
         self.observation = self.body.truth();

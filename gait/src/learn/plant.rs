@@ -12,7 +12,7 @@ use crate::run::Obstacle;
 use crate::senses::{SEEN, truth};
 use crate::surroundings::{Disturbance, Surroundings};
 use crate::world::Motion;
-use crate::{Draw, GaitError, World, drawn_robot};
+use crate::{Command, Draw, GaitError, World, drawn_robot};
 
 use super::process::{Outcome, Step};
 use super::reward::{Reward, Stepped};
@@ -152,22 +152,21 @@ impl Body {
         self.held.borrow_dependent().motion()
     }
 
-    /// Has the valve of `leg` open, and every other one closed, until told otherwise.
-    pub(super) fn open(&mut self, leg: Option<usize>) -> Result<(), GaitError> {
-        if self.open == leg {
-            return Ok(());
+    /// Goes on by a cycle of the sensors, at whose begin the valves are commanded.
+    pub(super) fn go_on(&mut self, command: Command) -> Result<(), GaitError> {
+        match command {
+            Command::Nothing => {}
+            Command::Fire(leg, _) => self.note(Some(leg)),
+            Command::Hold(leg) => {
+                if std::mem::replace(&mut self.open, leg) != leg {
+                    self.note(leg);
+                }
+            }
         }
-        self.note(leg);
-        self.open = leg;
-        self.with(|world| world.open(leg))
-    }
-
-    /// Goes on by a cycle of the sensors, at whose begin a leg fires for an opening time (s), if any.
-    pub(super) fn go_on(&mut self, fire: Option<(usize, f64)>) -> Result<(), GaitError> {
-        self.note(fire.map(|(leg, _)| leg));
-        let gone = self
-            .held
-            .with_dependent_mut(|_, world| world.go_on(fire, |_| ()));
+        let gone = self.held.with_dependent_mut(|_, world| {
+            world.command(command)?;
+            world.go_on(|_| ())
+        });
         match gone {
             // What a learner tries may be a motion without a solution: then its episode ends there.
             Err(GaitError::Sim(

@@ -174,7 +174,7 @@ impl Episode for InStride {
         loop {
             let fires = waits && self.senses.lean() >= angle;
             waits &= !fires;
-            self.body.go_on(fires.then_some((leg, opening)))?;
+            self.body.go_on(fires.then_some((leg, opening)).into())?;
             let end = self.goes_on();
             let entered = self.senses.passed() != passed;
             if end != End::Open || self.body.is_broken() || entered {

@@ -5,10 +5,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::GaitError;
 use crate::error::require;
 use crate::senses::Senses;
 use crate::surroundings::Surroundings;
+use crate::{Command, GaitError};
 
 use super::plant::{Body, End, Ledger, Plant};
 use super::process::{Act, Actions, Axis, Environment, Episode, Outcome, Step};
@@ -144,9 +144,8 @@ impl Episode for InZone {
         let fires = act.choice(2)? == 1;
         self.ledger.require_open()?;
         let leg = fires.then(|| self.senses.leg());
-        self.body.open(leg)?;
         for _ in 0..self.cycles {
-            self.body.go_on(None)?;
+            self.body.go_on(Command::Hold(leg))?;
             if self.body.is_broken() {
                 break;
             }

@@ -1,5 +1,6 @@
 //! Tests of running robots, in one binary: linking is what takes time.
 
+mod commanded;
 mod energy;
 mod learn;
 mod learn_tasks;

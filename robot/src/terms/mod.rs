@@ -13,11 +13,11 @@ use std::f64::consts::FRAC_PI_4;
 use spec::{Lens, direct, inverse};
 
 use crate::domain::Domain;
+use crate::gas::HEAT_RATIOS;
 use crate::units::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, CAPACITY, DAMPING, FORCE,
-    FORCE_PER_PRESSURE, FORCE_PER_PRESSURE_LENGTH, GAS_CONSTANT, INERTIA, LENGTH, MASS, NUMBER,
-    PER_LENGTH, PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME,
-    TORQUE, VOLUME,
+    self, ACCELERATION, ANGLE, ANGULAR_RATE, ANGULAR_STIFFNESS, AREA, CAPACITY, DAMPING, FORCE,
+    FORCE_PER_PRESSURE, FORCE_PER_PRESSURE_LENGTH, INERTIA, LENGTH, MASS, NUMBER, PER_LENGTH,
+    PRESSURE, PRESSURE_PER_FLOW, STIFFNESS, TEMPERATURE, THERMAL_RESISTANCE, TIME, TORQUE, VOLUME,
 };
 use crate::{Drive, LegBody, Robot, Sensors};
 
@@ -235,9 +235,9 @@ terms! {
         .drawn_to(0.2);
     /// Ratio of specific heats κ.
     HeatRatio = Spec::needed("leg.gas.heat_ratio", NUMBER, at!(cylinder, gas.heat_ratio))
-        .within(|_| Domain::above(1.0));
+        .within(|_| HEAT_RATIOS);
     /// Specific gas constant R_g (J/(kg K)).
-    GasConstant = Spec::positive("leg.gas.constant", GAS_CONSTANT, at!(cylinder, gas.constant));
+    GasConstant = Spec::positive(GAS_CONSTANT, units::GAS_CONSTANT, at!(cylinder, gas.constant));
     /// Bore diameter (m).
     Bore = Spec::positive("leg.bore", LENGTH, Lens { has: has_piston, ..at!(cylinder, bore) })
         .shown("bore_mm = 19.05", "");
@@ -250,6 +250,7 @@ terms! {
         .hidden(&[1.5e-6, 2e-5]);
     /// Supply pressure above ambient (Pa).
     Supply = Spec::needed(SUPPLY, PRESSURE, at!(cylinder, supply.0))
+        .within(|_| SUPPLIES.called("a gauge pressure"))
         .shown(
             "supply_pressure_gauge_psi = 120",
             "above ambient; or supply_pressure_absolute_pa",
@@ -347,7 +348,7 @@ terms! {
     LegMass = Spec::optional("leg.mass", MASS, at!(robot, leg.body.mass))
         .within(leg_mass)
         .shown("mass_kg = 0.05", "mass of that part, counted in body.mass")
-        .beside_plane();
+        .out_of_plane();
 
     /// Mass of the leg that the robot picks up at the end of the stroke, in the planar model (kg).
     PickedUp = Spec::optional("leg.picked_up_mass", MASS, at!(robot, leg.picked_up))
@@ -763,8 +764,14 @@ terms! {
         .shown("range_period_ms = 100", "from one reading to the next; left out: 50 ms");
 }
 
+/// What a supply pressure may be (Pa): no material holds more.
+pub(crate) const SUPPLIES: Domain = Domain::NON_NEGATIVE.up_to(1e10);
+
 /// The key of the supply pressure above ambient; files may give the absolute one in its place.
 pub(crate) const SUPPLY: &str = "leg.supply_pressure_gauge";
+
+/// The key of the gas constant; files may give the molar mass in its place.
+pub(crate) const GAS_CONSTANT: &str = "leg.gas.constant";
 
 fn heat_ratio(robot: &Robot) -> f64 {
     robot.leg.cylinder().map_or(1.0, |c| c.gas.heat_ratio)

@@ -42,11 +42,20 @@ fn complaint(text: &str) -> String {
     }
 }
 
+/// That a message is `expected`, or begins so if `expected` ends with `…`.
+#[track_caller]
+fn says(message: &str, expected: &str) {
+    match expected.strip_suffix('…') {
+        Some(beginning) => assert!(message.starts_with(beginning), "{message}"),
+        None => assert_eq!(message, expected),
+    }
+}
+
 /// The sound file with `line` in place of `old`.
 #[track_caller]
 fn check(old: &str, line: &str, expected: &str) {
     assert!(SOUND.contains(old), "{old} is not in the sound file");
-    assert_eq!(complaint(&SOUND.replacen(old, line, 1)), expected);
+    says(&complaint(&SOUND.replacen(old, line, 1)), expected);
 }
 
 #[test]
@@ -105,7 +114,8 @@ fn numbers_outside_their_domains() {
     check(
         "= 120",
         "= -1",
-        "hopper.toml:15: leg.supply_pressure_gauge_psi = -1: must be a finite number ≥ 0",
+        "hopper.toml:15: leg.supply_pressure_gauge_psi = -1: must be a gauge pressure ≥ 0 and \
+         ≤ 1450380 psi (1e10 Pa)",
     );
     check(
         "= 0.5378",
@@ -115,13 +125,26 @@ fn numbers_outside_their_domains() {
     check(
         "gauge_psi = 120",
         "absolute_pa = 100000",
-        "hopper.toml:15: leg.supply_pressure_absolute_pa = 100000: must be a finite number ≥ \
-         101325 Pa",
+        "hopper.toml:15: leg.supply_pressure_absolute_pa = 100000: must be an absolute pressure \
+         ≥ 101325 Pa and ≤ 1e10 Pa",
+    );
+    check(
+        "gauge_psi = 120",
+        "absolute_psi = 14",
+        "hopper.toml:15: leg.supply_pressure_absolute_psi = 14: must be an absolute pressure \
+         ≥ 14.6959 psi (101325 Pa) and ≤ 1450380 psi (1e10 Pa)",
+    );
+    check(
+        "= 120",
+        "= \"120 psi\"",
+        "hopper.toml:15: leg.supply_pressure_gauge_psi = \"120 psi\": must be a gauge pressure ≥ 0 \
+         and ≤ 1450380 psi (1e10 Pa)",
     );
     check(
         "= 120",
         "= 1e308",
-        "hopper.toml:15: leg.supply_pressure_gauge_psi = 1e308: must be a finite number ≥ 0",
+        "hopper.toml:15: leg.supply_pressure_gauge_psi = 1e308: must be a gauge pressure ≥ 0 and \
+         ≤ 1450380 psi (1e10 Pa)",
     );
 }
 
@@ -130,7 +153,7 @@ fn numbers_that_do_not_fit_together() {
     check(
         "length_mm = 4",
         "length_mm = 60",
-        "hopper.toml:21: leg.cushion.length_mm = 60: must be a finite number > 0 and < 0.06 m",
+        "hopper.toml:21: leg.cushion.length_mm = 60: must be a finite number > 0 and < 60 mm",
     );
     check(
         "[leg.cushion]",
@@ -146,7 +169,7 @@ fn numbers_that_do_not_fit_together() {
     check(
         "gas = \"air\"",
         "gas = \"co2\"\npolytropic_exponent = 1.35",
-        "hopper.toml:19: leg.polytropic_exponent = 1.35: must be a finite number ≥ 1 and ≤ 1.3",
+        "hopper.toml:19: leg.polytropic_exponent = 1.35: must be a finite number ≥ 1 and ≤ 1.289",
     );
 }
 
@@ -190,7 +213,7 @@ fn keys_of_a_rig() {
     );
     leg(
         "mass_g = 550\ncenter_m = 0.1",
-        "hopper.toml:20: leg.mass_g = 550: must be a finite number ≥ 0 and < 0.55 kg, for all \
+        "hopper.toml:20: leg.mass_g = 550: must be a finite number ≥ 0 and < 550 g, for all \
          legs to have less than body.mass",
     );
     // 0.0792/(5 · 1²) = 0.01584 kg at 1 m.
@@ -201,11 +224,10 @@ fn keys_of_a_rig() {
     );
 
     let rig =
-        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+        |lines: &str, expected: &str| says(&complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "boom = 3",
-        "hopper.toml:27: unknown key environment.boom; the nearest known key is \
-         environment.gravity_g",
+        "hopper.toml:27: unknown key environment.boom; the keys allowed there are …",
     );
     rig(
         "[boom]\nlength_m = 2",
@@ -253,7 +275,7 @@ fn keys_of_a_rig() {
     );
     rig(
         "[foot]\nlength_mm = 1",
-        "hopper.toml:28: unknown key foot.length_mm; the nearest known key is foot.radius_mm",
+        "hopper.toml:28: unknown key foot.length_mm; the keys allowed there are …",
     );
 
     let ground = |line: &str, allowed: &str| {
@@ -271,17 +293,14 @@ fn keys_of_a_rig() {
     ground("restitution = -0.1", "≥ 0 and < 1");
     ground("stiffness_n_per_m = 0", "> 0");
     ground("damping_n_s_per_m = -1", "≥ 0");
-    ground(
-        "slope_deg = 45",
-        "> -0.7853981633974483 rad and < 0.7853981633974483 rad",
-    );
+    ground("slope_deg = 45", "> -45 deg and < 45 deg");
 }
 
 /// `lines` added at the end of the sound file, from line 27.
 #[test]
 fn keys_of_a_running_robot() {
     let rig =
-        |lines: &str, expected: &str| assert_eq!(complaint(&format!("{SOUND}{lines}\n")), expected);
+        |lines: &str, expected: &str| says(&complaint(&format!("{SOUND}{lines}\n")), expected);
     rig(
         "[struts]",
         "hopper.toml:27: missing key struts.distance_m or distance_mm or distance_cm or distance_in or distance_ft",
@@ -394,14 +413,39 @@ fn values_of_the_wrong_type() {
     );
     check(
         "\"air\"",
-        "\"helium\"",
-        "hopper.toml:18: leg.gas = \"helium\": must be air, co2, nitrogen or a table of \
-         heat_ratio and constant_j_per_kg_k",
+        "\"xenon\"",
+        "hopper.toml:18: leg.gas = \"xenon\": must be air, nitrogen, oxygen, argon, helium, \
+         hydrogen, carbon dioxide, co2, methane, or a table of heat_ratio with \
+         constant_j_per_kg_k or molar_mass_g_mol",
     );
     check(
         "\"air\"",
         "{ heat_ratio = 1, constant_j_per_kg_k = 287 }",
-        "hopper.toml:18: leg.gas.heat_ratio = 1: must be a finite number > 1",
+        "hopper.toml:18: leg.gas.heat_ratio = 1: must be a ratio of heat capacities > 1 and \
+         ≤ 1.67",
+    );
+    check(
+        "\"air\"",
+        "{ heat_ratio = 1.4, molar_mass_kg_mol = 28.96 }",
+        "hopper.toml:18: leg.gas.molar_mass_kg_mol = 28.96: must be a molar mass > 0 and ≤ 1 \
+         kg/mol, not g/mol",
+    );
+    check(
+        "\"air\"",
+        "{ heat_ratio = 1.4, molar_mass_g_mol = 2896 }",
+        "hopper.toml:18: leg.gas.molar_mass_g_mol = 2896: must be a molar mass > 0 and ≤ 1000 g/mol",
+    );
+    check(
+        "\"air\"",
+        "{ heat_ratio = 1.4, molar_mass_g_mol = 28.96, constant_j_per_kg_k = 287 }",
+        "hopper.toml:18: leg.gas.molar_mass_g_mol is already given as \
+         leg.gas.constant_j_per_kg_k; give one of them",
+    );
+    check(
+        "\"air\"",
+        "{ heat_ratio = 1.4 }",
+        "hopper.toml:18: missing key leg.gas.constant_j_per_kg_k or molar_mass_kg_mol or \
+         molar_mass_g_mol",
     );
     check(
         "[body]",
@@ -441,7 +485,7 @@ fn keys_unknown_missing_or_twice() {
     check(
         "[leg.cushion]",
         "[cushion]",
-        "hopper.toml:20: unknown key cushion; the nearest known key is foot",
+        "hopper.toml:20: unknown key cushion; the keys allowed there are name, …",
     );
     check(
         "mass_kg",
@@ -457,8 +501,7 @@ fn keys_unknown_missing_or_twice() {
     check(
         "damping_n_s_per_m = 30",
         "damping_n_s_per_m = 30\nsize = 3",
-        "hopper.toml:24: unknown key leg.cushion.size; the nearest known key is \
-         leg.cushion.length_m",
+        "hopper.toml:24: unknown key leg.cushion.size; the keys allowed there are …",
     );
     check(
         "name = \"hopper\"",
@@ -557,12 +600,12 @@ fn text_that_is_not_toml() {
 fn long_values_and_keys_are_cut() {
     let long = "x".repeat(1 << 20);
     let key = complaint(&format!("{long} = 1\n"));
-    assert_eq!(
-        key,
-        format!(
-            "hopper.toml:1: unknown key {}…; the nearest known key is name",
+    says(
+        &key,
+        &format!(
+            "hopper.toml:1: unknown key {}…; the keys allowed there are name, …",
             "x".repeat(40)
-        )
+        ),
     );
     let value = complaint(&SOUND.replacen("2.75", &format!("\"{long}\""), 1));
     assert_eq!(
@@ -580,7 +623,7 @@ fn check_set(overrides: &[&str], expected: &str) {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.into()).collect();
     match resolve("rats-planar", &overrides) {
         Ok(robot) => panic!("accepted: {overrides:?}\n{robot:?}"),
-        Err(error) => assert_eq!(error.to_string(), expected),
+        Err(error) => says(&error.to_string(), expected),
     }
 }
 
@@ -588,7 +631,7 @@ fn check_set(overrides: &[&str], expected: &str) {
 fn overrides() {
     check_set(
         &["leg.foo=1"],
-        "--set leg.foo=1: unknown key leg.foo; the nearest known key is leg.gas",
+        "--set leg.foo=1: unknown key leg.foo; the keys allowed there are …",
     );
     check_set(
         &["leg.boer_mm=1"],
@@ -596,7 +639,7 @@ fn overrides() {
     );
     check_set(
         &["mass_kg=1"],
-        "--set mass_kg=1: unknown key mass_kg; the nearest known key is tank",
+        "--set mass_kg=1: unknown key mass_kg; the keys allowed there are …",
     );
     check_set(
         &["leg.bore_mm=-3"],
@@ -816,7 +859,7 @@ fn force_tables_in_csv_files() {
 #[test]
 fn force_tables_in_the_robot_file() {
     let check = |table: &str, expected: &str| {
-        assert_eq!(complaint(&format!("{TABLE_LEG}{table}")), expected);
+        says(&complaint(&format!("{TABLE_LEG}{table}")), expected);
     };
     let sound = "extensions_m = [0, 0.05]\nspeeds_m_s = [0, 1]\nforces_n = [[1, 2], [3, 4]]\n";
     Robot::parse(
@@ -924,7 +967,7 @@ fn what_a_robot_carries_its_gas_in() {
     refused(
         &["leg.tube={length_m=1, diameter_mm=4, roughness_mm=1}"],
         "--set leg.tube={length_m=1, diameter_mm=4, roughness_mm=1}: leg.tube.roughness_mm = 1: \
-         must be a finite number ≥ 0 and ≤ 0.0002 m, a twentieth of its diameter",
+         must be a finite number ≥ 0 and ≤ 0.2 mm, a twentieth of its diameter",
     );
     refused(
         &["leg.valve_closing_delay_ms=-1"],
@@ -940,7 +983,8 @@ fn what_a_robot_carries_its_gas_in() {
     check(
         "supply_pressure_gauge_psi = 120",
         "supply_pressure_absolute_pa = 9e4",
-        "hopper.toml:15: leg.supply_pressure_absolute_pa = 9e4: must be a finite number ≥ 101325 Pa",
+        "hopper.toml:15: leg.supply_pressure_absolute_pa = 9e4: must be an absolute pressure ≥ 101325 Pa \
+         and ≤ 1e10 Pa",
     );
     let error = resolve("spring-hopper", &["tank.volume_l=1".into()]).expect_err("no gas");
     assert_eq!(

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use saltus_robot::terms::{Plane, SECTIONS};
-use saltus_robot::{Robot, Term};
+use saltus_robot::{Gas, Robot, Term};
 
 /// A table of a robot file.
 struct Section {
@@ -38,7 +38,7 @@ const NOTED: &[Section] = &[
             ),
             (
                 "gas = { heat_ratio = 1.4, constant_j_per_kg_k = 287.05 }",
-                "or \"air\", \"co2\", \"nitrogen\"",
+                "or a name, such as \"air\" or \"co2\": below",
             ),
         ],
         ..section("leg", "")
@@ -159,6 +159,41 @@ fn the_examples_of_the_readme_are_sound() {
     for example in examples {
         Robot::parse(example, "README.md", &folder).unwrap_or_else(|error| panic!("{error}"));
     }
+}
+
+/// The page has the table of gases, to the digits that it shows.
+#[test]
+fn the_page_has_the_gases() {
+    let readme = include_str!("../../robots/README.md");
+    let table = readme.split("| --- | --- | --- | --- |\n").nth(1);
+    let rows = table
+        .expect("a table")
+        .lines()
+        .take_while(|row| row.starts_with('|'));
+    let mut names = Vec::new();
+    for row in rows {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        let own: Vec<&str> = cells[0]
+            .split(" or ")
+            .map(|name| name.trim_matches(['`', '"']))
+            .collect();
+        let of = |name: &str| Gas::NAMED.iter().find(|(known, _)| *known == name);
+        for name in &own {
+            let (_, gas) = of(name).unwrap_or_else(|| panic!("{name}"));
+            let known = [gas.heat_ratio, gas.constant, 1e3 * gas.molar_mass()];
+            for (cell, known) in cells[1..].iter().zip(known) {
+                let shown: f64 = cell.parse().expect("a number");
+                // Four digits and more are shown.
+                assert!(
+                    (shown / known - 1.0).abs() < 1e-4,
+                    "{name}: {cell}, {known}"
+                );
+            }
+        }
+        names.extend(own);
+    }
+    let known: Vec<&str> = Gas::NAMED.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, known);
 }
 
 /// The page of keys has every table and every key of a pneumatic robot, each with an effect.

@@ -68,7 +68,7 @@ fn kinds() -> impl Strategy<Value = Robot> {
     );
     let mut robots: Vec<Robot> = built_in.iter().filter_map(|n| Robot::builtin(n)).collect();
     robots.push(constant.expect("sound"));
-    let gases = vec![Gas::AIR, Gas::CO2, Gas::NITROGEN];
+    let gases = Gas::NAMED.map(|(_, gas)| gas).to_vec();
     let robot = (prop::sample::select(robots), prop::sample::select(gases));
     (robot, "(?s).+", 1..=u32::MAX).prop_map(|((mut robot, gas), name, legs)| {
         robot.name = name;

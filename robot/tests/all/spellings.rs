@@ -71,7 +71,8 @@ fn units_of_one_quantity_agree_to_the_last_bit() {
     check(&[
         "leg.gas=nitrogen",
         "leg.gas=\"nitrogen\"",
-        "leg.gas={heat_ratio=1.4,constant_j_per_kg_k=296.8}",
+        "leg.gas={heat_ratio=1.4,molar_mass_kg_mol=0.0280134}",
+        "leg.gas={heat_ratio=1.4,molar_mass_g_mol=28.0134}",
     ]);
     check(&["body.legs=3", "body.legs=0x3"]);
 }
@@ -103,6 +104,24 @@ fn an_override_changes_what_it_names() {
     check(&["leg.bore_m=0.02", "leg.bore_mm=25"], &|c| c.bore = 0.025);
     check(&["leg.bore_mm=25", "leg.bore_m=0.02"], &|c| c.bore = 0.02);
     check(&["leg.gas=co2"], &|c| c.gas = Gas::CO2);
+    check(&["leg.gas='carbon dioxide'"], &|c| c.gas = Gas::CO2);
+    check(&["leg.gas=helium"], &|c| c.gas = Gas::HELIUM);
+    let described = "leg.gas={heat_ratio=1.289, molar_mass_g_mol=44.0095}";
+    check(&[described], &|c| c.gas = Gas::CO2);
+    // One quantity, whichever way it is given: the later one wins.
+    check(&[described, "leg.gas.constant_j_per_kg_k=200"], &|c| {
+        c.gas = Gas {
+            heat_ratio: 1.289,
+            constant: 200.0,
+        };
+    });
+    check(
+        &[
+            "leg.gas={heat_ratio=1.094, constant_j_per_kg_k=200}",
+            "leg.gas.molar_mass_kg_mol=0.14606",
+        ],
+        &|c| c.gas = Gas::of_molar_mass(0.14606, 1.094),
+    );
     check(
         &[
             "leg.gas={heat_ratio=1.3, constant_j_per_kg_k=200}",

@@ -101,7 +101,7 @@ impl RobotFlags {
         let robot = self.robot()?;
         let ignored = robot.beyond_the_plane();
         if !ignored.is_empty() {
-            let ignored = ignored.join(", ");
+            let ignored = left_out_words(&ignored);
             message(&format!(
                 "note: robot {}: the planar model of this command leaves out {ignored}; `saltus \
                  verify` simulates it",
@@ -110,6 +110,17 @@ impl RobotFlags {
         }
         Ok(robot)
     }
+}
+
+/// Keys that the planar model leaves out, with what of them it leaves out if that is not all.
+pub(crate) fn left_out_words(keys: &[String]) -> String {
+    let words = |key: &String| match key.as_str() {
+        "leg.mass_kg" => "leg.mass_kg (legs that move in the wheel)".to_owned(),
+        "boom.length_m" => "boom.length_m (the arc of the boom)".to_owned(),
+        _ => key.clone(),
+    };
+    let all: Vec<String> = keys.iter().map(words).collect();
+    all.join(", ")
 }
 
 /// The robot that jumps, where it is not the one planned for.

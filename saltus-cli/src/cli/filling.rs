@@ -2,7 +2,7 @@
 
 use clap::Args;
 use saltus::filling::{Filling, FillingError, Hop, Request, filling};
-use saltus::robot::{Gas, Robot};
+use saltus::robot::Robot;
 use saltus::{Launch, Outcome};
 use serde_json::json;
 
@@ -10,7 +10,7 @@ use super::Status;
 use super::common::Common;
 use super::terms::{TermFlags, Terms, VALVE_OPEN};
 use crate::error::CliError;
-use crate::output::{self, Column, Format, Table as Rows, columns, digits};
+use crate::output::{self, Column, Format, Table as Rows, columns, counted, digits};
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREEN};
 use crate::plot::sheet::{Panel, Sheet};
@@ -50,8 +50,8 @@ Examples:
   saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5 --set leg.gas=co2
   saltus filling --omega 4.5 --alpha-f -0.1 --set tank.volume_l=0.5 --clear 20cm --valve-open 30ms --plot filling.svg
 
-The robot file has the tank ([tank]: volume, thermal resistance of its wall) and the gas (leg.gas: air, \
-co2, nitrogen or constants). At first the tank has the leg's supply pressure and gas temperature; every \
+The robot file has the tank ([tank]: volume, thermal resistance of its wall) and the gas (leg.gas: \
+a name of docs/robots.md, as co2, or constants). At first the tank has the leg's supply pressure and gas temperature; every \
 jump starts with the gas that the last one left. A jump is one of the planar model: stance and flight. \
 Where the robot lifts off before its valve closes, the chamber goes on filling. The count ends where the \
 robot does not lift off, does not clear the height (or the ground), or does not land. Gas is perfect: a bottle of liquid \
@@ -159,12 +159,8 @@ impl FillingOf {
 
 /// What the gas is called.
 fn gas(robot: &Robot) -> &'static str {
-    match robot.leg.cylinder().map(|c| c.gas) {
-        Some(gas) if gas == Gas::AIR => "air",
-        Some(gas) if gas == Gas::CO2 => "CO2",
-        Some(gas) if gas == Gas::NITROGEN => "nitrogen",
-        _ => "gas",
-    }
+    let gas = robot.leg.cylinder().and_then(|c| c.gas.name());
+    gas.unwrap_or("gas")
 }
 
 fn rows<'a>(found: &'a Filling, robot: &'a Robot) -> impl Iterator<Item = Row<'a>> {
@@ -210,7 +206,7 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
     let head = format!(
         "{}: {} and {} m to a tank of {} l, {} g of {} at {} bar above ambient",
         robot.name,
-        counted(found.jumps()),
+        counted(found.jumps(), "jump"),
         digits(found.distance(), 4),
         digits(1e3 * volume, 4),
         digits(1e3 * found.filled, 4),
@@ -252,13 +248,6 @@ fn text(found: &Filling, terms: &Terms, robot: &Robot, request: &Request) -> Str
     )
 }
 
-fn counted(jumps: usize) -> String {
-    match jumps {
-        1 => "1 jump".into(),
-        n => format!("{n} jumps"),
-    }
-}
-
 fn sheet(found: &Filling, robot: &Robot) -> Sheet {
     let mark = if found.hops.len() <= 60 {
         Mark::Dots
@@ -285,7 +274,7 @@ fn sheet(found: &Filling, robot: &Robot) -> Sheet {
         title: format!(
             "{}: {} and {} m to a filling",
             robot.name,
-            counted(found.jumps()),
+            counted(found.jumps(), "jump"),
             digits(found.distance(), 4)
         ),
         panels: vec![

@@ -1,6 +1,6 @@
 //! What a page that plays a run shows, frame by frame.
 
-use saltus::gait::{Footfall, Row, Setup};
+use saltus::gait::{Footfall, Output, Row, Setup};
 use saltus::sim_check::Contact;
 use serde_json::{Value, json};
 
@@ -33,8 +33,8 @@ pub(crate) struct Film {
     extensions: Vec<Vec<f64>>,
     pressures: Vec<Vec<f64>>,
     forces: Vec<Vec<[f64; 2]>>,
-    /// When and how long (s) which leg is fired.
-    firings: Vec<(f64, f64, u32)>,
+    /// The openings of valves: each output, and its leg.
+    openings: Vec<(Output, usize)>,
     /// When which foot comes down.
     touch_downs: Vec<(f64, usize)>,
 }
@@ -68,7 +68,7 @@ impl Film {
             extensions: vec![Vec::new(); legs],
             pressures: vec![Vec::new(); legs],
             forces: vec![Vec::new(); legs],
-            firings: Vec::new(),
+            openings: Vec::new(),
             touch_downs: Vec::new(),
         }
     }
@@ -80,8 +80,13 @@ impl Film {
 
     pub(crate) fn push(&mut self, row: &Row<'_>, speed: f64) {
         let action = &row.action;
-        if let Some(leg) = action.leg {
-            self.firings.push((row.time, action.valve_open, leg));
+        for (leg, output) in row.outputs.iter().enumerate() {
+            let mut own = self.openings.iter_mut().rev().filter(|it| it.1 == leg);
+            match own.next() {
+                Some((last, _)) if last.on == output.on => *last = *output,
+                _ if output.on.is_finite() => self.openings.push((*output, leg)),
+                _ => {}
+            }
         }
         if self.is_due() {
             self.times.push(row.time);
@@ -141,6 +146,17 @@ impl Film {
 
     /// The frames, as the page's script reads them.
     fn value(self) -> Value {
+        let end = self.times.last().copied().unwrap_or(0.0);
+        // A valve that is still held open is open to the end.
+        let open = |(output, leg): &(Output, usize)| {
+            let off = if output.off.is_finite() {
+                output.off
+            } else {
+                end.max(output.on)
+            };
+            (output.on, off - output.on, *leg)
+        };
+        let firings: Vec<_> = self.openings.iter().map(open).collect();
         let mut value = json!({
             "legs": self.legs,
             "valve_delay_s": self.delay,
@@ -149,7 +165,7 @@ impl Film {
             "extension_m": self.extensions,
             "pressure_pa": self.pressures,
             "force_n": self.forces,
-            "firings": self.firings,
+            "firings": firings,
             "touch_downs": self.touch_downs,
         });
         for (name, column) in NAMES.iter().zip(self.columns) {

@@ -14,7 +14,9 @@ use super::Status;
 use super::common::{OutputFlags, RobotFlags, read_folders};
 use super::diagnose::words;
 use crate::error::CliError;
-use crate::output::{self, Column, Files, Format, Table, columns, digits, reachable, unit};
+use crate::output::{
+    self, Column, Files, Format, Table, columns, counted, digits, reachable, unit,
+};
 use crate::progress::Progress;
 use crate::slip::{Estimated, slip};
 
@@ -208,10 +210,10 @@ impl Report<'_> {
         let estimate = &fitted.estimate;
         // Writing into a string does not fail.
         let mut out = format!(
-            "{}: leg fitted to {} firings, {} rows; data {}\n",
+            "{}: leg fitted to {}, {}; data {}\n",
             believed.name,
-            folder.experiment.runs.len(),
-            folder.rows,
+            counted(folder.experiment.runs.len(), "firing"),
+            counted(folder.rows, "row"),
             folder.hash
         );
         for note in &folder.notes {

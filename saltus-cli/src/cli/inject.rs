@@ -14,7 +14,7 @@ use super::Status;
 use super::common::{FormatFlag, OutFolder, RobotFlags, Seed};
 use super::recorded::command as asked_for;
 use crate::error::CliError;
-use crate::output::{self, Column, Format, Table, columns, digits, print};
+use crate::output::{self, Column, Format, Table, columns, counted, digits, print};
 
 /// The file of a robot that goes with the data.
 const OWN: &str = "robot.toml";
@@ -126,8 +126,10 @@ impl Inject {
     fn text(&self, made: &Made) -> String {
         let (runs, rows) = size(made);
         let mut text = format!(
-            "{}: {runs} runs, {rows} rows of kind {}\n",
+            "{}: {}, {} of kind {}\n",
             self.out.path().display(),
+            counted(runs, "run"),
+            counted(rows, "row"),
             self.kind.spec().id
         );
         if made.truth.is_empty() {

@@ -14,7 +14,7 @@ use self::sensed::Learning;
 use super::common::{OutputFlags, RobotFlags, Seed, Threads};
 use super::{Place, Status};
 use crate::error::{CliError, cut};
-use crate::output::{self, Files, Format, digits, in_words};
+use crate::output::{self, Files, Format, in_words, measured};
 use crate::progress::Progress;
 use crate::quantity;
 
@@ -116,7 +116,7 @@ impl Jump {
         if robot.space.is_some() {
             return Err(CliError::Moved {
                 asked: format!("jump --robot {}", robot.name),
-                place: Place::Study("over_box 0.21 2.2 2.2 16 3 100"),
+                place: Place::Study("over_box 0.21 2.2 2.2 16 3 100").to_string(),
             });
         }
         let Some(course) = self.obstacle else {
@@ -213,7 +213,7 @@ impl Answer<'_> {
     }
 
     fn text(&self) -> String {
-        let short = |x: f64| digits(x, 4);
+        let short = |x: f64| measured(x, 4);
         let Obstacle {
             front,
             length,

@@ -26,6 +26,7 @@ mod simulate;
 mod table;
 mod target;
 mod terms;
+mod unusual;
 mod verify;
 mod with;
 
@@ -33,9 +34,10 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::CliError;
+use crate::output::message;
 use crate::session;
 
 pub(crate) use moved::Place;
@@ -52,6 +54,10 @@ pub(crate) use moved::Place;
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
+
+    /// Warnings for numbers out of their usual range.
+    #[arg(skip)]
+    warnings: Vec<String>,
 }
 
 const AFTER_HELP: &str = "\
@@ -121,7 +127,7 @@ pub(crate) enum Unparsed {
     /// It asks for help, or is wrong.
     Refused(clap::Error),
     /// It asks for what has moved, or names no gait.
-    Moved(CliError),
+    Moved(Box<CliError>),
 }
 
 /// What a command that was carried out says.
@@ -149,14 +155,24 @@ impl Cli {
     /// What `clap` says, or where what they ask for has moved.
     pub(crate) fn parsed(words: &[OsString]) -> Result<Cli, Unparsed> {
         let line = std::iter::once("saltus".into()).chain(words.iter().cloned());
-        Cli::try_parse_from(line).map_err(|error| match known(words) {
-            Some(known) if error.use_stderr() => Unparsed::Moved(known),
-            _ => Unparsed::Refused(error),
+        let parsed = Cli::command()
+            .try_get_matches_from(line)
+            .and_then(|matches| {
+                let cli = Cli::from_arg_matches(&matches)?;
+                let warnings = unusual::warnings(&matches);
+                Ok(Cli { warnings, ..cli })
+            });
+        parsed.map_err(|error| match known(words) {
+            Some(known) if error.use_stderr() => Unparsed::Moved(Box::new(known)),
+            _ => Unparsed::Refused(error.format(&mut Cli::command())),
         })
     }
 
     /// Runs the command that was parsed.
     pub(crate) fn run(self) -> Result<Status, CliError> {
+        for warning in &self.warnings {
+            message(&format!("warning: {warning}"));
+        }
         self.command.run()
     }
 }
@@ -176,7 +192,7 @@ pub fn main() -> ExitCode {
     let done = match Cli::parsed(&words) {
         Ok(cli) => cli.run(),
         Err(Unparsed::Refused(error)) => error.exit(),
-        Err(Unparsed::Moved(error)) => Err(error),
+        Err(Unparsed::Moved(error)) => Err(*error),
     };
     match done {
         Ok(Status::Done) => ExitCode::SUCCESS,

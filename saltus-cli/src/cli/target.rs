@@ -8,6 +8,7 @@ use saltus::planner::{FIRING_ANGLES, Measure, Roots, TableRequest};
 use super::common::Threads;
 use super::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
+use crate::output::digits;
 use crate::quantity::{self, Quantity};
 use crate::range::{Values, distances, rates};
 
@@ -23,7 +24,7 @@ pub(crate) struct TargetFlags {
 
     /// Distances to reach (m), from the foot to the landing
     #[arg(long, value_name = "LENGTHS", value_parser = distances, allow_hyphen_values = true,
-        required_unless_present = "clearance", conflicts_with_all = ["clearance", "obstacle"])]
+        conflicts_with_all = ["clearance", "obstacle"])]
     distance: Option<Values>,
 
     /// Clearances to keep (m): least distance between the flying wheel and the obstacle
@@ -103,7 +104,7 @@ impl TargetFlags {
             _ => {
                 return Err(CliError::Missing {
                     flag: "--distance",
-                    allowed: "or --clearance with an --obstacle",
+                    allowed: "the distances to reach (m), or --clearance with an --obstacle",
                 });
             }
         };
@@ -147,7 +148,7 @@ impl Block {
         if front < robot.body.radius {
             return Err(refused(format!(
                 "ahead of the wheel: FRONT at least its radius, {} m",
-                robot.body.radius
+                digits(robot.body.radius, 6)
             )));
         }
         Obstacle::block([front, 0.0], [front + width, height])

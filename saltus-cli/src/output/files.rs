@@ -135,8 +135,8 @@ pub(crate) fn overwrites(flag: &'static str, path: &Path, other: &str) -> CliErr
     CliError::flag(flag, path.display(), format!("another file than {other}"))
 }
 
-/// Refuses a file that cannot be written, before long work: its folder is not there or is read-only,
-/// the path is a folder, or another flag names it. What is read later must be another file
+/// Refuses a file that cannot be written, before long work: its folder is not there or is read-only, the
+/// path is a folder, or another flag names it. What is read later must be another file
 /// ([`input::spared`]).
 pub(crate) fn reachable(flag: &'static str, path: Option<&Path>) -> Result<(), CliError> {
     let Some(path) = path else {
@@ -161,11 +161,17 @@ pub(crate) fn reachable(flag: &'static str, path: Option<&Path>) -> Result<(), C
     }
     let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
     if !folder.is_none_or(Path::is_dir) {
-        let missing = io::Error::new(io::ErrorKind::NotFound, "its folder is not there");
-        return Err(CliError::write(path, missing));
+        return Err(CliError::write(path, no_folder()));
     }
     // The temporary file is removed at once.
     Staged::new(path, &[]).map(drop)
+}
+
+/// That the folder of a file is not there: a command makes the folders that it fills, and no others, so
+/// that a misspelt path is seen.
+fn no_folder() -> io::Error {
+    let text = "its folder is not there, and is made only where a command fills a folder";
+    io::Error::new(io::ErrorKind::NotFound, text)
 }
 
 /// Refuses a folder that cannot be made or written into, before long work.

@@ -13,7 +13,7 @@ use clap::ValueEnum;
 use serde_json::Value;
 
 pub(crate) use files::{Files, Stream, overwrites, print, reachable, reachable_folder};
-pub(crate) use number::{digits, full};
+pub(crate) use number::{counted, digits, full, measured};
 pub(crate) use share::{in_words, share};
 pub(crate) use table::{Cell, Column, Table, cells, columns, grid};
 pub(crate) use unit::{split, unit, with_unit};
@@ -48,6 +48,12 @@ impl Format {
             .find(|(known, _)| *known == ending)
             .map(|(_, format)| *format)
     }
+}
+
+/// The name of a file without its folder, for titles.
+pub(crate) fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 /// `head` with lines below: names, which take so many places, and what is said of them.

@@ -32,10 +32,24 @@ pub(crate) fn full(x: f64) -> String {
     }
 }
 
+/// Size of a sum that is 0 but for round-off, where its terms are of the size 1.
+const ROUND_OFF: f64 = 1e-15;
+/// Lengths (m), angles (rad), rates, times (s), energies (J) and masses (g) below this are 0: nothing of a
+/// robot is measured as finely, and round-off leaves as much of one that stands.
+const NOTHING: f64 = 1e-6;
+
+/// A length, an angle, a rate, a time or the like, `x`, with `count` significant digits at most, for people.
+pub(crate) fn measured(x: f64, count: usize) -> String {
+    digits(if x.abs() < NOTHING { 0.0 } else { x }, count)
+}
+
 /// `x` with `count` significant digits at most, for people.
 pub(crate) fn digits(x: f64, count: usize) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return format!("{}", x + 0.0);
+    if x.abs() < ROUND_OFF {
+        return "0".into();
+    }
+    if !x.is_finite() {
+        return x.to_string();
     }
     let rounded: f64 = format!("{x:.*e}", count.saturating_sub(1))
         .parse()
@@ -45,6 +59,12 @@ pub(crate) fn digits(x: f64, count: usize) -> String {
     } else {
         format!("{rounded:e}")
     }
+}
+
+/// So many of what `noun` names, as in 1 run, 2 runs.
+pub(crate) fn counted(count: usize, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
 }
 
 #[cfg(test)]
@@ -84,7 +104,15 @@ mod tests {
         check(-0.0, "0");
         check(330_207.3, "330200");
         check(1e-9, "1e-9");
+        check(-6.2e-20, "0");
+        check(7.0 * 0.0254, "0.1778");
         check(f64::INFINITY, "inf");
+    }
+
+    #[test]
+    fn a_length_below_what_is_computed_is_none() {
+        assert_eq!(measured(-9.131e-11, 4), "0");
+        assert_eq!(measured(-9.131e-6, 4), "-9.131e-6");
     }
 
     proptest::proptest! {

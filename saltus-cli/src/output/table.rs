@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
-use super::number::{digits, full};
+use super::number::{digits, full, measured};
 use super::unit::unit;
 
 /// One value of a row.
@@ -75,8 +75,10 @@ impl Cell {
         }
     }
 
-    fn text(&self) -> String {
+    /// For people, in a column of this unit.
+    fn text(&self, unit: &str) -> String {
         match self {
+            Cell::Number(x) if ["m", "rad", "rad/s", "m/s", "s"].contains(&unit) => measured(*x, 4),
             Cell::Number(x) => digits(*x, 4),
             Cell::Empty => "–".into(),
             Cell::Text(text) => text.clone(),
@@ -196,7 +198,8 @@ impl Table {
             columns.iter().map(|i| head(i).0.to_owned()).collect(),
             columns.iter().map(|i| head(i).1.to_owned()).collect(),
         ];
-        let line = |row: &Vec<Cell>| columns.iter().map(|&i| row[i].text()).collect();
+        let cell = |row: &Vec<Cell>, i: usize| row[i].text(unit(self.columns[i]));
+        let line = |row: &Vec<Cell>| columns.iter().map(|&i| cell(row, i)).collect();
         lines.extend(self.rows.iter().map(line));
         aligned(&lines, |_| false)
     }

@@ -301,7 +301,10 @@ const CASES: &[(&str, &[&str])] = &[
         &["1000000 pairs of rate and target at most"],
     ),
     // Targets.
-    ("table --omega 5", &["--distance <LENGTHS>"]),
+    (
+        "table --omega 5",
+        &["--distance is missing: the distances to reach (m), or --clearance with an --obstacle"],
+    ),
     ("table --distance 1", &["--omega <RATES>"]),
     (
         "table --omega 5 --distance -1",
@@ -421,7 +424,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("plan nowhere.toml", &["nowhere.toml: cannot be read"]),
     (
         "plan course.toml --plot a.svg",
-        &["course.toml:3: unknown key length_m; the nearest known key is"],
+        &["course.toml:3: unknown key length_m; the keys allowed there are jumps, start_x_m,"],
     ),
     (
         "plan rate.toml --out a.json",

@@ -167,7 +167,7 @@ fn a_page_and_a_recording_change_no_number() {
 }
 
 /// The numbers to which each of `paths` leads in a recording.
-fn recorded(bytes: &[u8], paths: &[String]) -> BTreeMap<String, Vec<f64>> {
+pub(crate) fn recorded(bytes: &[u8], paths: &[String]) -> BTreeMap<String, Vec<f64>> {
     let all: Vec<(String, Path)> = paths
         .iter()
         .map(|path| (path.clone(), path.parse().unwrap()))

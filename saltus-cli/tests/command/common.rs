@@ -30,6 +30,15 @@ impl Folder {
         assert_eq!(run.err, "", "{line}");
         run.out
     }
+
+    /// As [`done`](Folder::done), with notes on standard error.
+    pub(crate) fn noted(&self, line: &str, code: i32) -> String {
+        let run = self.run(&line.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(run.code, Some(code), "{line}: {}", run.err);
+        let other = run.err.lines().find(|line| !line.starts_with("note: "));
+        assert_eq!(other, None, "{line}");
+        run.out
+    }
 }
 
 /// How a run ended.

@@ -62,7 +62,8 @@ fn no_plan_lands_on_the_last_millimetre_and_says_how_far_off_its_target_it_is() 
     let course =
         "approach_rate_rad_s = 5\ntarget_x_m = 0.8\n[[avoid]]\nfrom_x_m = 0.7\nto_x_m = 0.9\n";
     folder.write("ditch.toml", course);
-    let plan = json(&folder, "plan ditch.toml --format json", 0);
+    let plan = json(&folder, "plan ditch.toml --format json", 1);
+    assert_eq!(plan["status"], "misses-the-target");
     let jump = &plan["jumps"][0];
     let number = |key: &str| jump[key].as_f64().unwrap();
     let (landing, deviation) = (number("land_x_m"), number("land_sd_m"));
@@ -71,17 +72,59 @@ fn no_plan_lands_on_the_last_millimetre_and_says_how_far_off_its_target_it_is() 
         "{landing}"
     );
     assert!((number("off_target_m") - (landing - 0.8)).abs() < 1e-12);
-    let text = folder.done("plan ditch.toml", 0);
+    let text = folder.done("plan ditch.toml", 1);
+    for words in [
+        "the target at 0.8 m; no goal zone is given",
+        "Between the landing and the target lies avoid area 1; the landing must be within 48 mm",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    folder.done("plan ditch.toml --plot plan.svg", 1);
+    assert!(folder.read("plan.svg").contains("the target at 0.8 m"));
+    folder.write("any.toml", format!("goal_to_x_m = 2\n{course}"));
+    let text = folder.done("plan any.toml", 0);
     assert!(
         text.contains("holds in the planar model (`saltus verify` flies it)"),
         "{text}"
     );
+}
+
+/// A target that no jump reaches is an answer of no, of `plan` and of `verify`; a goal, or no weight, says
+/// that another place will do.
+#[test]
+fn a_target_out_of_reach_is_missed() {
+    let folder = Folder::new("course-target");
+    let far = "approach_rate_rad_s = 5\ntarget_x_m = 4\n";
+    folder.write("far.toml", far);
+    let plan = json(&folder, "plan far.toml --format json", 1);
+    assert_eq!(plan["status"], "misses-the-target");
+    let text = folder.done("plan far.toml", 1);
+    for words in [
+        "rats-planar: plan for far.toml: misses the target\n",
+        "3.06 m short of the target at 4 m",
+        "Try jumps = 5.",
+        "If another place will do, give the goal",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!text.contains("another unit"), "{text}");
+    let run = folder.run(&["plan", "far.toml", "--format", "csv"]);
+    assert!(run.err.contains("misses the target"), "{}", run.err);
+    let text = folder.done("verify far.toml --samples 0", 1);
     assert!(
-        text.contains("the target at 0.8 m; no goal zone is given"),
+        text.contains("short of the wanted place, 48 mm are allowed (--tolerance)"),
         "{text}"
     );
-    folder.done("plan ditch.toml --plot plan.svg", 0);
-    assert!(folder.read("plan.svg").contains("the target at 0.8 m"));
+    folder.write("five.toml", format!("jumps = 5\n{far}"));
+    folder.done("plan five.toml", 0);
+    for more in ["goal_from_x_m = 0", "deviation_weight = 0"] {
+        folder.write("any.toml", format!("{more}\n{far}"));
+        folder.done("plan any.toml", 0);
+        folder.done("verify any.toml --samples 0", 0);
+    }
+    folder.write("cm.toml", far.replace("= 4", "= 90"));
+    let text = folder.done("plan cm.toml", 1);
+    assert!(text.contains("Is target_x_m in another unit"), "{text}");
 }
 
 #[test]
@@ -148,7 +191,7 @@ fn a_ten_metre_wall_is_not_landed_in() {
     match plan["status"].as_str().unwrap() {
         "infeasible" => {}
         // Short of the wall, with the wheel clear of it.
-        "holds-in-the-planar-model" => {
+        "misses-the-target" => {
             assert!(plan["jumps"][0]["land_x_m"].as_f64().unwrap() < 0.16);
         }
         status => panic!("{status}"),
@@ -228,7 +271,13 @@ fn slips_of_unit_are_refused_or_asked_about() {
         run.err
     );
     folder.write("mm.toml", format!("{course}target_x_m = 900\n"));
-    let text = folder.done("plan mm.toml", 0);
+    let run = folder.run(&["plan", "mm.toml"]);
+    let text = run.out;
+    assert_eq!(run.code, Some(0));
+    assert_eq!(
+        run.err,
+        "warning: mm.toml:3: target_x_m = 900: the model is for -100 to 100 m; is it in mm?\n"
+    );
     assert!(text.contains("Is target_x_m in another unit"), "{text}");
     folder.write(
         "exact.toml",

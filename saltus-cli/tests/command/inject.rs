@@ -32,6 +32,30 @@ fn check(test: &str, inject: &str, id: &str) {
     }
 }
 
+/// Without a boom nothing measures a run's height: the refusal says so, and which robots to take.
+#[test]
+fn a_run_of_a_robot_without_a_boom_is_refused() {
+    let folder = Folder::new("inject-no-boom");
+    let before = folder.names();
+    for robot in ["rats-planar", "spring-hopper"] {
+        let line = format!("inject --kind run --robot {robot} --out data");
+        let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
+        assert_eq!(run.code, Some(2), "{robot}");
+        let why = "which only the pivot of a boom measures, and";
+        assert!(
+            run.err.contains(why) && run.err.contains(robot),
+            "{}",
+            run.err
+        );
+        assert!(
+            run.err.contains("take a robot with one, as rats-run"),
+            "{}",
+            run.err
+        );
+        assert_eq!(folder.names(), before);
+    }
+}
+
 #[test]
 fn friction_on_the_bench_is_found() {
     check(

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::ball::recorded;
 use crate::common::{Folder, rows};
 
 /// A task that is quick.
@@ -75,6 +76,39 @@ fn firing_angles_are_learnt() {
         .as_f64()
         .unwrap();
     assert!((1.37..1.7).contains(&time), "{time}");
+}
+
+/// Rows, telemetry, recording and page say in each cycle what the valves do that a policy holds open.
+#[test]
+fn valves_that_a_policy_holds_are_open_in_every_log() {
+    let folder = Folder::new("learn-valves");
+    folder.done(&format!("{QUICK} --out zone.json"), 0);
+    let line = "run policy zone.json --seconds 2 --out rows.csv --telemetry logs --mcap run.mcap";
+    folder.run(&line.split(' ').collect::<Vec<_>>());
+    let (header, cycles) = rows(&folder.read("rows.csv"));
+    let (measured, logged) = rows(&folder.read("logs/run.csv"));
+    let at = |header: &[String], name: &str| header.iter().position(|it| it == name).unwrap();
+    let bytes = std::fs::read(folder.path("run.mcap")).unwrap();
+    let topics: Vec<String> = (0..5)
+        .map(|leg| format!("/leg.valve_open[{leg}]"))
+        .collect();
+    let recording = recorded(&bytes, &topics);
+    let mut longest = 0;
+    for (leg, topic) in topics.iter().enumerate() {
+        let open = at(&header, &format!("valve_open_{leg}_s"));
+        let valve = at(&measured, &format!("valve_{}", leg + 1));
+        let open: Vec<bool> = cycles.iter().map(|row| row[open] != "0").collect();
+        let valve: Vec<bool> = logged.iter().map(|row| row[valve] == "1").collect();
+        let topic: Vec<bool> = recording[topic].iter().map(|x| *x == 1.0).collect();
+        assert!(open == valve && open == topic, "leg {leg}");
+        let held = open.split(|is_open| !is_open).map(<[bool]>::len);
+        longest = held.fold(longest, usize::max);
+    }
+    // A decision is one of 5 cycles, and a leg is pushed for longer than that.
+    assert!(longest > 5, "{longest} cycles");
+    let (fired, time) = (at(&header, "fired_leg"), at(&header, "valve_open_s"));
+    let mut of_firings = cycles.iter().filter(|row| !row[fired].is_empty());
+    assert!(of_firings.all(|row| row[time].is_empty()));
 }
 
 #[test]
@@ -226,7 +260,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("run policy short.json", "short.json: JSON"),
     (
         "run fixed --policy policy.json",
-        "saltus run policy FILE.json",
+        "saltus run policy policy.json\n",
     ),
     (
         "run policy policy.json --set body.legs=7",

@@ -17,11 +17,13 @@ mod evidence;
 mod filling;
 #[path = "../../../saltus/tests/experiment/folder.rs"]
 mod folder;
+mod gases;
 mod golden;
 mod inject;
 mod jump;
 mod keys;
 mod learn;
+mod ledger;
 mod logs;
 mod meaning;
 mod misleading;

@@ -174,12 +174,12 @@ fn the_exported_c_answers_as_the_table_does() {
         " --start-lean -0.5",
         " --robot rats-boom",
     ] {
-        folder.done(
+        folder.noted(
             &format!("export c --distance 0.4:0.8:9 --tolerance 1mm --out c{options}"),
             0,
         );
         for (rate, distance) in [("5", "0.8"), ("4.1", "0.6"), ("3.3", "0.47")] {
-            let (header, table) = rows(&folder.done(
+            let (header, table) = rows(&folder.noted(
                 &format!("table --omega {rate} --distance {distance} --format csv{options}"),
                 0,
             ));

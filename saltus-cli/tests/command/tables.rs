@@ -85,7 +85,7 @@ fn a_table_is_verified_as_it_was_made() {
         "--valve-open 30ms",
         "--robot rats-boom --landing-height 0",
     ] {
-        folder.done(
+        folder.noted(
             &format!("table --omega 3:6:4 --distance 0.4 {options} --out table.csv"),
             0,
         );

@@ -59,6 +59,10 @@ const READ: &[&str] = &[
     "--check",
 ];
 
+/// What is said of a file whose folder is not there.
+const NO_FOLDER: &str =
+    "cannot be written: its folder is not there, and is made only where a command fills a folder";
+
 /// Time in which a refusal has to come on a machine with other work: it takes milliseconds.
 const LIMIT: Duration = Duration::from_secs(20);
 
@@ -132,6 +136,9 @@ fn refused(folder: &Folder, line: &str, place: &str) -> bool {
         text
     });
     assert_eq!(status.code(), Some(2), "{line}: {out}{err}");
+    if place.starts_with("nowhere/") && !err.contains("cannot be used with") {
+        assert!(err.contains(NO_FOLDER), "{line}: {err}");
+    }
     let is_named = err.contains(place)
         && (err.contains("cannot be written") || err.contains("must be another file than"));
     // Flags that do not go together are no outputs.
@@ -171,6 +178,43 @@ fn every_command_refuses_an_output_that_cannot_be_written_before_it_works() {
         }
     }
     assert_eq!(waiting, named);
+}
+
+/// A folder that a command fills is made, with those that it is in; a word of the command's help has it.
+#[test]
+fn every_folder_that_a_command_fills_is_made() {
+    let folder = Folder::new("unwritable-made");
+    let quick = [
+        ("inject", "--runs 3"),
+        ("run closed-loop", "--seconds 0.2"),
+        ("run fixed", "--seconds 0.2"),
+        ("run smooth", "--seconds 0.2"),
+        ("run disc-stable", "--seconds 0.2"),
+        ("export c", "--distance 0.5:0.6:2 --omega 4.5:5.5:3"),
+        ("export rust", "--distance 0.5:0.6:2 --omega 4.5:5.5:3"),
+        ("export gait speed", ""),
+    ];
+    let mut tried = BTreeSet::new();
+    for (command, _) in LONG {
+        for (flag, value) in outputs(command) {
+            if !["DIR", "FOLDER"].contains(&value.as_str()) || *command == "export policy" {
+                continue;
+            }
+            if !tried.insert((*command, flag.clone())) {
+                continue;
+            }
+            let (_, work) = quick
+                .iter()
+                .find(|(known, _)| known == command)
+                .unwrap_or_else(|| panic!("{command} {flag}"));
+            let made = format!("{}/in/its", command.replace(' ', "-"));
+            let line = format!("{command} {work} {flag} {made}");
+            let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
+            assert!(matches!(run.code, Some(0 | 1)), "{line}: {}", run.err);
+            assert!(!folder.names_in(&made).is_empty(), "{line}");
+        }
+    }
+    assert!(tried.len() > 5, "{tried:?}");
 }
 
 /// Nor does one work before it looks whether an output is a file that it reads.

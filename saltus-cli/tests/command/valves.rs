@@ -108,7 +108,7 @@ fn a_drive_that_ends_before_the_stroke_is_a_lift_off() {
         for time in ["0.01", "0.02", "0.03", "0.035", "0.1"] {
             let command = format!(
                 "verify --law=-0.06,0.27 --omega 3:5:3 --distance 0.4 --valve-open {time} \
-                 --samples 0 --tolerance 10 --format csv --robot {robot}"
+                 --samples 0 --tolerance 1 --format csv --robot {robot}"
             );
             let verified = folder.done(&command, 0);
             assert!(

@@ -124,7 +124,7 @@ fn speeds(program: &Program, set: &(impl Fn(&mut Robot) + Sync)) -> Outcome<(usi
     let from_rest = drawn(program, SECONDS, &[], set)?;
     let start = from_rest.iter().filter(|(s, _)| runs(s)).count();
     let pushed = drawn(program, SECONDS, &[push(PUSH, 0.5)], set)?;
-    let mut ends: Vec<f64> = pushed.iter().map(|(s, _)| s.last_speed).collect();
+    let mut ends: Vec<f64> = pushed.iter().map(|(s, _)| s.late_speed()).collect();
     ends.sort_by(f64::total_cmp);
     let (least, most) = (ends[0], ends[ends.len() - 1]);
     Ok((start, [least, median(&mut ends), most]))

@@ -181,13 +181,13 @@ pub(crate) fn drawn(
 
 /// Whether it ran in the end.
 pub(crate) fn runs(summary: &Summary) -> bool {
-    summary.last_speed > RUNS_FROM[0]
+    summary.late_speed() > RUNS_FROM[0]
 }
 
 /// The trace of the middle robot, and of the fastest, of those that run in the end.
 pub(crate) fn middle_and_best(all: &[Ran]) -> Option<[&Trace; 2]> {
     let mut runners: Vec<&Ran> = all.iter().filter(|(summary, _)| runs(summary)).collect();
-    runners.sort_by(|a, b| a.0.last_speed.total_cmp(&b.0.last_speed));
+    runners.sort_by(|a, b| a.0.late_speed().total_cmp(&b.0.late_speed()));
     let middle = runners.get(runners.len().saturating_sub(1) / 2)?;
     Some([&middle.1, &runners.last()?.1])
 }

@@ -302,7 +302,7 @@ fn fixed_gait(drawings: &mut Vec<(&'static str, String)>) -> Outcome<String> {
     let [bounces, fast] = [&ran[0].0, &ran[1].0];
     claim(from_rest.firings == 1, "5.1.2: fires once")?;
     claim(
-        runs(bounces) && bounces.last_speed < 2.5 && fast.last_speed > 2.5,
+        runs(bounces) && bounces.late_speed() < 2.5 && fast.late_speed() > 2.5,
         "5.1.2: two modes after a push",
     )?;
     let of = |value: fn(&Point) -> f64| {
@@ -348,7 +348,12 @@ fn fixed_gait(drawings: &mut Vec<(&'static str, String)>) -> Outcome<String> {
          the push the rate has peaks of {peak:.0} rad/s, above the axis.) It is also about as fast \
          as the thesis' robot in the end, {SPEED} m/s. The drawn robots are faster, as the table \
          below shows.\n",
-        PUSHES[0], bounces.last_speed, PUSHES[1], fast.last_speed, RATES.1, ANGLES.1,
+        PUSHES[0],
+        bounces.late_speed(),
+        PUSHES[1],
+        fast.late_speed(),
+        RATES.1,
+        ANGLES.1,
     ))
 }
 
@@ -395,7 +400,7 @@ fn firing_angles() -> Outcome<String> {
     let (mut cells, mut medians) = (Vec::new(), Vec::new());
     for angle in [-0.2, -0.1, 0.0, 0.1, 0.2] {
         let all = drawn(&fixed(angle), TABLE, &[push(PUSHES[1], 0.5)], &|_| ())?;
-        let mut speeds: Vec<f64> = all.iter().map(|(s, _)| s.last_speed).collect();
+        let mut speeds: Vec<f64> = all.iter().map(|(s, _)| s.late_speed()).collect();
         let middle = median(&mut speeds);
         medians.push(middle);
         cells.push(format!("{middle:.1} m/s at {} rad", signed(angle, 1)));

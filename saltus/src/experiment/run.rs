@@ -306,7 +306,7 @@ impl<'a> Log<'a> {
                     self.place(line),
                     name,
                     bare(&text),
-                    channel.domain.describe(channel.quantity.si),
+                    channel.domain.describe(channel.quantity, unit),
                 ));
             }
             if value.is_none() && channel.needed {

@@ -141,6 +141,15 @@ pub enum Error {
         /// Fewest.
         least: usize,
     },
+    /// A robot that runs without an instrument of its height.
+    #[error(
+        "data of kind run need the height of the axle, which only the pivot of a boom measures, and {robot} \
+         has no boom: take a robot with one, as rats-run, or another kind, as jump"
+    )]
+    NoBoom {
+        /// The robot's name.
+        robot: String,
+    },
     /// Kind and robot do not go together.
     #[error(transparent)]
     Robot(#[from] Problem),

@@ -20,6 +20,10 @@ pub(super) fn fill(
     robot: &Robot,
     seed: u64,
 ) -> Result<(), Error> {
+    if believed.boom.is_none() {
+        let robot = believed.name.clone();
+        return Err(Error::NoBoom { robot });
+    }
     let wanted = layout.experiment.runs.len();
     let supply = believed.leg.cylinder().map(|cylinder| cylinder.supply.0);
     let mut columns = Vec::new();

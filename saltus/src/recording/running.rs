@@ -17,6 +17,8 @@ pub struct Running<W: Write> {
     instruments: saltus_controller::run::Instruments<f64>,
     legs: usize,
     stood: bool,
+    /// Legs whose valves are held open.
+    held: Vec<usize>,
     /// Rows of the logger with their times, of one cycle.
     rows: Vec<(f64, Vec<f64>)>,
 }
@@ -49,6 +51,7 @@ impl<W: Write> Running<W> {
             instruments: instruments(&setup.sensors()),
             legs: robot.body.legs as usize,
             stood: false,
+            held: Vec::new(),
             rows: Vec::new(),
         })
     }
@@ -67,9 +70,22 @@ impl<W: Write> Running<W> {
             self.recording
                 .row(*time, std::iter::once(*time).chain(values))?;
         }
+        for (leg, output) in row.outputs.iter().enumerate() {
+            if self.held.contains(&leg) && !output.is_on(row.time) {
+                self.held.retain(|held| *held != leg);
+                let open = 1e3 * (output.off - output.on);
+                let text = format!("close the valve of leg {leg} after {open:.1} ms");
+                self.recording.event(row.time, &text)?;
+            }
+        }
         if let Some(leg) = row.action.leg {
             let open = row.action.valve_open;
-            let text = format!("fire leg {leg} for {:.1} ms", 1e3 * open);
+            let text = if open.is_finite() {
+                format!("fire leg {leg} for {:.1} ms", 1e3 * open)
+            } else {
+                self.held.push(leg as usize);
+                format!("open the valve of leg {leg}")
+            };
             self.recording.event(row.time, &text)?;
         }
         if row.stands != self.stood {

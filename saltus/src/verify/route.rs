@@ -5,6 +5,8 @@ use saltus_planner::course::Span;
 use saltus_planner::{Crossing, CrossingPlan, PlannedJump};
 use saltus_sim_check::SimError;
 
+use crate::course::demanded_target;
+
 use super::demand::{Demand, Demands, Judgement, Landing, length};
 use super::{Disturbance, Flown, Plant, Task};
 
@@ -78,7 +80,7 @@ pub struct Attempt {
 
 impl Route {
     /// The plan `plan` for `crossing`, flown by a robot whose wheel has this `radius` (m), with
-    /// landings within `tolerance` (m) of the plan.
+    /// landings within `tolerance` (m) of the plan, the last one of the target where the course demands it.
     ///
     /// A goal without width is a place: how near the landing has to be says the tolerance.
     pub fn of(crossing: &Crossing, plan: &CrossingPlan, radius: f64, tolerance: f64) -> Route {
@@ -109,10 +111,11 @@ impl Route {
             friction: crossing.friction,
             ..Demands::within(tolerance)
         };
-        Route {
-            stages: plan.jumps.iter().map(stage).collect(),
-            demands,
+        let mut stages: Vec<Stage> = plan.jumps.iter().map(stage).collect();
+        if let (Some(last), Some(target)) = (stages.last_mut(), demanded_target(crossing)) {
+            last.wanted = target;
         }
+        Route { stages, demands }
     }
 
     /// All judgements of a jump from `foot`, and its clearance (m).

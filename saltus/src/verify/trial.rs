@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal, Uniform};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use saltus_lagrangian::StanceError;
-use saltus_numeric::parallel;
+use saltus_numeric::{parallel, plain};
 use saltus_planner::{Jump, JumpModel, Planner};
 use saltus_robot::Errors;
 
@@ -27,8 +27,9 @@ pub struct Verification {
     pub frictions: Vec<Option<f64>>,
     /// Where the jumps after the first start.
     pub starts: Starts,
-    /// How far (m) from where it is wanted a landing may be.
-    pub tolerance: f64,
+    /// How far (m) from where it is wanted a landing may be; none: [`tolerance`](Verification::tolerance)
+    /// by the size of the wheel.
+    pub tolerance: Option<f64>,
     /// Least distance (m) in flight between wheel and boxes, in place of the course's.
     pub clearance: Option<f64>,
     /// Share of the runs with errors that have to pass.
@@ -39,7 +40,7 @@ pub struct Verification {
 
 /// A jump that is to be verified and that the planner does not take.
 #[derive(Debug, thiserror::Error)]
-#[error("jump at {rate} rad/s, fired at {firing_angle} rad: {source}")]
+#[error("jump at {} rad/s, fired at {} rad: {source}", plain(*rate), plain(*firing_angle))]
 pub struct TrialError {
     /// Approach rate (rad/s).
     pub rate: f64,
@@ -139,8 +140,8 @@ impl RunJump<'_> {
 }
 
 impl Default for Verification {
-    /// 100 runs with the robot's errors on its own ground, landings within 50 mm, of which 90 %
-    /// have to pass.
+    /// 100 runs with the robot's errors on its own ground, landings within a fifth of the wheel's radius,
+    /// of which 90 % have to pass.
     fn default() -> Verification {
         Verification {
             samples: 100,
@@ -148,7 +149,7 @@ impl Default for Verification {
             seed: 1,
             frictions: vec![None],
             starts: Starts::Chained,
-            tolerance: 0.05,
+            tolerance: None,
             clearance: None,
             share: 0.9,
             threads: parallel::available(),
@@ -157,6 +158,17 @@ impl Default for Verification {
 }
 
 impl Verification {
+    /// How far a landing may be from where it is wanted, as part of the wheel's radius. A wheel that
+    /// overhangs an edge by so much sinks below it by 2 % of its radius, 1 − √(1 − 0.2²): it still
+    /// stands on the edge.
+    pub const RELATIVE_TOLERANCE: f64 = 0.2;
+
+    /// How far (m) a landing of a robot whose wheel has this `radius` (m) may be from where it is wanted.
+    pub fn tolerance(&self, radius: f64) -> f64 {
+        let usual = Verification::RELATIVE_TOLERANCE * radius;
+        self.tolerance.unwrap_or(usual)
+    }
+
     /// Verifies `subject`, which `planner` has planned, on `plant`.
     ///
     /// # Errors
@@ -205,12 +217,12 @@ impl Verification {
         let mut random = Pcg64::seed_from_u64(self.seed);
         let nominal: Vec<Arc<Route>> = match subject {
             Subject::Plan { crossing, plan } => {
-                let mut route = Route::of(crossing, plan, radius, self.tolerance);
+                let mut route = Route::of(crossing, plan, radius, self.tolerance(radius));
                 route.demands.clearance = self.clearance.unwrap_or(crossing.clearance);
                 vec![Arc::new(route)]
             }
             Subject::Rule(rule) => {
-                let route = |&rate| self.single(planner, rule, rate).map(Arc::new);
+                let route = |&rate| self.single(planner, rule, rate, radius).map(Arc::new);
                 rule.rates.iter().map(route).collect::<Result<_, _>>()?
             }
         };
@@ -227,7 +239,7 @@ impl Verification {
                 Subject::Plan { .. } => nominal[0].clone(),
                 Subject::Rule(rule) => {
                     let rate = drawn_rate(&rule.rates, &mut random);
-                    Arc::new(self.single(planner, rule, rate)?)
+                    Arc::new(self.single(planner, rule, rate, radius)?)
                 }
             };
             let sizes = &planner.robot().errors;
@@ -241,13 +253,14 @@ impl Verification {
         Ok(trials)
     }
 
-    /// The one jump of a law or a table at an approach rate (rad/s), with what the planner expects
-    /// of it.
+    /// The one jump of a law or a table at an approach rate (rad/s), of a wheel of this `radius` (m), with
+    /// what the planner expects of it.
     fn single(
         &self,
         planner: &Planner<dyn JumpModel>,
         rule: &Rule,
         rate: f64,
+        radius: f64,
     ) -> Result<Route, TrialError> {
         let Task {
             launch,
@@ -283,7 +296,7 @@ impl Verification {
             obstacles,
             clearance,
             leg_out,
-            ..Demands::within(self.tolerance)
+            ..Demands::within(self.tolerance(radius))
         };
         Ok(Route {
             stages: vec![stage],

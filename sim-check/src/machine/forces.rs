@@ -86,7 +86,9 @@ impl Machine<'_> {
             _ => without,
         };
         self.powers[DRIVE] += drive * speed;
-        self.powers[JOINT_LOSS] += (drive - force) * speed;
+        // Springs keep their energy: it is not a loss.
+        let lost = (drive - force - leg.spring_pull(switches, d)) * speed;
+        self.powers[JOINT_LOSS] += lost;
         if let Some(at) = self.layout.account(i) {
             let (supplied, released, pushed) = match (leg.chamber(), &state.piece) {
                 _ if leg.feed.is_some() => (
@@ -101,13 +103,7 @@ impl Machine<'_> {
                 }
                 _ => (0.0, 0.0, 0.0),
             };
-            let rates = [
-                drive * speed,
-                (drive - force) * speed,
-                supplied,
-                released,
-                pushed,
-            ];
+            let rates = [drive * speed, lost, supplied, released, pushed];
             self.powers[at..at + ACCOUNT].copy_from_slice(&rates);
         }
         self.pushes[i] = force;

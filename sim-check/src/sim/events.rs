@@ -37,7 +37,7 @@ impl Sim<'_> {
             }
             Guard::SlipStart(c, axis) => {
                 let (p, s) = pair(self, c);
-                self.log(Happening::Slip(p, s));
+                self.log(Happening::Slip(p, s, axis));
                 self.let_slip(c, axis);
                 self.settle(Some(guard))?;
             }

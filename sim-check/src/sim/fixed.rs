@@ -36,7 +36,7 @@ pub(super) struct Fixed {
     rates: Vec<f64>,
     /// Watches at the start.
     watched: Vec<f64>,
-    /// What the gas of each fed leg has moved in the step: [`Line::moved`].
+    /// What the gas of each leg has moved in the step: [`Line::moved`], [`Gas::moved`].
     moved: Vec<[f64; 3]>,
     /// The ground's impulses (N s) on points since they were asked for, where somebody asks.
     pub(super) impulses: Option<Vec<(usize, Vec3)>>,
@@ -198,11 +198,11 @@ impl Sim<'_> {
         for (i, rate) in fixed.rates.iter().enumerate() {
             fixed.middle[i] = q[i] + 0.5 * h * rate;
         }
+        fixed.moved.fill([0.0; 3]);
         if layout.fed {
             let acceleration = std::mem::take(&mut fixed.acceleration);
             let gas = layout.gas()..layout.works();
             fixed.middle[gas.clone()].copy_from_slice(&self.y[gas]);
-            fixed.moved.fill([0.0; 3]);
             let (middle, moved) = (&mut fixed.middle, &mut fixed.moved);
             self.feed((middle, moved), &acceleration, (0.0, 0.5 * h));
             fixed.acceleration = acceleration;
@@ -212,7 +212,7 @@ impl Sim<'_> {
             let at = layout.gas() + leg;
             fixed.middle[at] = self.y[at];
             let path = self.path_of(leg, &fixed.acceleration);
-            fixed.middle[at] = self.fill(leg, self.y[at], &path, 0.5 * h);
+            fixed.middle[at] = self.fill(leg, (self.y[at], &mut fixed.moved[leg]), &path, 0.5 * h);
         }
     }
 
@@ -228,8 +228,9 @@ impl Sim<'_> {
         }
     }
 
-    /// u of the chamber of `leg`, now `u`, after `h` of `path`; its piece moves along.
-    fn fill(&mut self, leg: usize, u: f64, path: &Path, h: f64) -> f64 {
+    /// u of the chamber of `leg`, now `u`, after `h` of `path`; its piece moves along, and what its gas
+    /// moves is added to `moved`.
+    fn fill(&mut self, leg: usize, (u, moved): (f64, &mut [f64; 3]), path: &Path, h: f64) -> f64 {
         let part = &self.machine.mechanism.legs[leg];
         let state = &mut self.mode.legs[leg];
         let (Some(chamber), Some(piece)) = (part.leg.chamber(), state.piece) else {
@@ -243,6 +244,7 @@ impl Sim<'_> {
             u,
             energized: state.energized,
             port_open: state.port_open,
+            moved: self.layout.account(leg).map(|_| *moved),
         };
         let is_still = !gas.energized && path.speed == 0.0 && path.acceleration == 0.0;
         if is_still && self.at_rest[leg] == u {
@@ -253,16 +255,17 @@ impl Sim<'_> {
             self.at_rest[leg] = gas.u;
         }
         state.piece = Some(gas.piece);
+        *moved = gas.moved.unwrap_or(*moved);
         gas.u
     }
 
-    /// Puts into the accounts at the end of the step what the gas of fed legs has moved, which the
-    /// rates in the middle of a step tell roughly alone.
+    /// Puts into the accounts at the end of the step what the gas of the legs has moved, which the
+    /// rates in the middle of a step tell roughly alone: the gas goes on in sub-steps.
     fn account_gas(&mut self, fixed: &Fixed) {
         let layout = self.layout;
         for (leg, moved) in fixed.moved.iter().enumerate() {
             let part = &self.machine.mechanism.legs[leg].leg;
-            let (Some(at), Some(_)) = (layout.account(leg), &part.feed) else {
+            let Some(at) = layout.account(leg) else {
                 continue;
             };
             let at = layout.works() + at;
@@ -408,7 +411,8 @@ impl Sim<'_> {
             for leg in 0..layout.legs {
                 let path = self.path_of(leg, &fixed.next_acceleration).from(0.5 * h);
                 let at = layout.gas() + leg;
-                self.next[at] = self.fill(leg, fixed.middle[at], &path, 0.5 * h);
+                let from = (fixed.middle[at], &mut fixed.moved[leg]);
+                self.next[at] = self.fill(leg, from, &path, 0.5 * h);
             }
         }
         let works = layout.works();

@@ -102,8 +102,9 @@ pub enum Happening {
     TouchDown(usize, usize),
     /// A point leaves a surface.
     LiftOff(usize, usize),
-    /// A standing point begins to slip.
-    Slip(usize, usize),
+    /// A standing point begins to slip, along the first direction of the ground's friction (0) or the second
+    /// (1); where friction has no directions along the first.
+    Slip(usize, usize, usize),
     /// A slipping point comes to stand.
     Stick(usize, usize),
     /// The joint of a body reaches an end stop.
@@ -330,7 +331,8 @@ impl<'a> Sim<'a> {
     }
 
     /// Commands leg `leg` now, for `opening` seconds from when its drive answers, after its delay;
-    /// a leg without a valve ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good.
+    /// a leg without a valve ([`Leg::has_valve`](saltus_pneumatics::Leg::has_valve)) for good. A valve
+    /// that is open already stays open until the later of the two commands ends.
     ///
     /// # Errors
     /// [`SimError::Input`] for a leg that is not there, or an opening time that is not a finite
@@ -340,9 +342,14 @@ impl<'a> Sim<'a> {
         not_negative("valve opening time (s)", opening)?;
         let drive = &self.machine.mechanism.legs[leg].leg;
         let (begins, ends) = drive.answers(self.time, opening);
-        let ends = ends.map(|ends| (ends, leg, false));
-        self.commands
-            .extend([(begins, leg, true)].into_iter().chain(ends));
+        self.commands.push((begins, leg, true));
+        if let Some(ends) = ends {
+            let closes = |c: &(f64, usize, bool)| c.1 == leg && !c.2 && c.0 >= begins;
+            let later = self.commands.iter().filter(|c| closes(c)).map(|c| c.0);
+            let ends = later.fold(ends, f64::max);
+            self.commands.retain(|c| !closes(c));
+            self.commands.push((ends, leg, false));
+        }
         self.sort_commands();
         Ok(())
     }

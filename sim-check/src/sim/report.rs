@@ -147,6 +147,10 @@ impl Sim<'_> {
                 springs += 0.5 * parts.spring.0 * x * x;
             }
         }
+        for part in &mechanism.legs {
+            let extension = self.y[mechanism.tree.coordinate_of(part.body)];
+            springs += part.leg.spring_energy(extension);
+        }
         if let Some((stiffness, _)) = mechanism.material.compliance {
             let closed = self
                 .mode
@@ -235,11 +239,11 @@ pub struct Ledger {
     pub kinetic: f64,
     /// Potential energy of their weight, 0 at height 0.
     pub potential: f64,
-    /// Energy in the springs of joints and compliant contacts.
+    /// Energy in the springs of joints, legs and compliant contacts.
     pub springs: f64,
     /// Work of the drives so far.
     pub drive: f64,
-    /// Lost so far in joints and legs, dry friction, dampers and the legs' own springs among them.
+    /// Lost so far in joints and legs: in dry friction and dampers.
     pub joints: f64,
     /// Lost so far where feet slip, and in the ground's dampers.
     pub contacts: f64,
@@ -260,7 +264,7 @@ pub struct Ledger {
 pub struct Account {
     /// Work of its drive (J), of the gauge pressure in a pneumatic leg.
     pub drive: f64,
-    /// Lost in it (J): in friction, dampers, and what its spring holds.
+    /// Lost in it (J): in friction and dampers.
     pub lost: f64,
     /// Gas (kg) from the supply.
     pub supplied: f64,

@@ -190,7 +190,7 @@ impl Sim<'_> {
         if self.mode.contacts[c].closed {
             match (before == Grip::Held, grip == Grip::Held) {
                 (false, true) => self.log(Happening::Stick(p, s)),
-                (true, false) => self.log(Happening::Slip(p, s)),
+                (true, false) => self.log(Happening::Slip(p, s, axis)),
                 _ => {}
             }
         }

@@ -101,7 +101,7 @@ fn shares(case: &Case, crossing: &Crossing, samples: usize) -> Option<(String, [
     let how = Verification {
         samples,
         seed: 77,
-        tolerance: f64::INFINITY,
+        tolerance: Some(f64::INFINITY),
         share: 0.95,
         ..Verification::default()
     };

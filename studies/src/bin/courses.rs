@@ -105,7 +105,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let how = Verification {
             samples,
             seed: 77,
-            tolerance: f64::INFINITY,
+            tolerance: Some(f64::INFINITY),
             share: SHARE,
             ..Verification::default()
         };

@@ -28,8 +28,8 @@ fn setup(robot: Robot, program: Program, seconds: f64) -> Setup {
 fn worth(aim: &str, s: &Summary) -> f64 {
     match aim {
         "time" => -s.time_to_1_6_m.unwrap_or(5.0 - s.travel.clamp(0.0, 1.6)),
-        "speed" => s.last_speed,
-        _ if s.last_speed < 3.2 => -1.0 + 0.1 * s.last_speed,
+        "speed" => s.late_speed(),
+        _ if s.late_speed() < 3.2 => -1.0 + 0.1 * s.late_speed(),
         _ => -1e3 * s.gas / s.travel,
     }
 }
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let all: Result<Vec<Summary>, _> = ensemble.run(available(), &|| ()).into_iter().collect();
         let all = all?;
-        let runs = all.iter().filter(|s| s.last_speed > 1.5).count();
+        let runs = all.iter().filter(|s| s.late_speed() > 1.5).count();
         let median = |values: Vec<f64>| {
             let mut values = values;
             values.sort_by(f64::total_cmp);
@@ -101,7 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 .collect(),
         );
         let fast = median(all.iter().map(|s| s.reached_3_2.unwrap_or(99.0)).collect());
-        let speed = median(all.iter().map(|s| s.last_speed).collect());
+        let speed = median(all.iter().map(|s| s.late_speed()).collect());
         let gas = median(
             all.iter()
                 .map(|s| 1e3 * s.gas / s.travel.max(0.01))

@@ -70,6 +70,8 @@ const LATEST: f64 = 0.03;
 const SHORTEST: f64 = 0.004;
 /// Farthest target (m) that is sought at all.
 const FARTHEST: f64 = 100.0;
+/// From how far (m) of all known landings on a target is out of reach: the search moves a landing by some centimetres.
+const BEYOND: f64 = 0.3;
 /// What a robot counts as missing (m) that does not jump.
 const STAYS: f64 = 1.0;
 /// How many known firings are tried on all drawn robots, and from how many of them the search begins.
@@ -199,6 +201,13 @@ impl Planner {
         }))
     }
 
+    /// The known firings that land nearest to `aim` (m), and where.
+    fn nearest(&self, aim: [f64; 2]) -> Option<&(Vec<f64>, [f64; 2])> {
+        let miss = |known: &&(Vec<f64>, [f64; 2])| far(known.1, aim);
+        let known = self.known.iter();
+        known.min_by(|a, b| miss(a).total_cmp(&miss(b)))
+    }
+
     /// Firings from which to begin to seek those that land at `aim` (m): of the known ones that land near it, those that miss
     /// it least on all drawn robots.
     fn starts(&self, aim: [f64; 2], threads: usize) -> Vec<Vec<f64>> {
@@ -255,7 +264,8 @@ impl Planner {
 
     /// The jump to `target` (m), from the middle of the feet on which the robot stands.
     ///
-    /// It is the nearest that was found where the target is out of reach: [`JumpPlan::miss`] says how near.
+    /// It is the nearest that was found where the target is out of reach: [`JumpPlan::miss`] says how near. Far beyond all known
+    /// landings nothing is sought.
     ///
     /// # Errors
     /// [`GaitError::Input`] for a target that is not finite, [`GaitError::Sim`] for a motion that cannot go on.
@@ -267,6 +277,12 @@ impl Planner {
                 x,
                 "a finite number from -100 to 100 m",
             )?;
+        }
+        if let Some((x, at)) = self.nearest(target)
+            && far(*at, target) > BEYOND
+        {
+            let off = far(*at, target);
+            return self.flown(self.jump(x, *at), (off, off), target);
         }
         let mut aim = target;
         let mut best: Option<JumpPlan> = None;

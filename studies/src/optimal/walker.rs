@@ -167,7 +167,8 @@ impl<'a> Walker<'a> {
     /// zone.
     pub(super) fn cycle(&mut self, opening: Option<f64>) -> Result<bool, GaitError> {
         let fire = opening.map(|opening| (self.action.in_zone as usize, opening));
-        self.world.go_on(fire, |_| ())?;
+        self.world.command(fire.into())?;
+        self.world.go_on(|_| ())?;
         let now = self.world.read();
         let before = self.action.in_zone;
         self.action = self.runner.step(&now.readings);

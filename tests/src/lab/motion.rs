@@ -7,7 +7,7 @@ pub(super) const AMBIENT: f64 = 101_325.0;
 /// Heat ratio and gas constant (J/(kg K)) of air and of carbon dioxide.
 pub(super) const AIR: (f64, f64) = (1.4, 287.05);
 /// See [`AIR`].
-pub(super) const CARBON_DIOXIDE: (f64, f64) = (1.30, 188.9);
+pub(super) const CARBON_DIOXIDE: (f64, f64) = (1.289, 188.924);
 /// Pascals in a pound per square inch.
 pub(super) const PSI: f64 = 6894.757293168;
 

@@ -30,6 +30,21 @@ fn slips(friction: f64, launch: &Launch) -> Result<bool, SimError> {
         .is_some())
 }
 
+/// A boom leads the foot on an arc: friction across the travel is overcome while that along it holds.
+#[test]
+fn a_foot_that_slips_across_the_travel_alone_does_not_slip_along_it() {
+    let mut robot = Robot::builtin("rats-boom").expect("built in");
+    assert_eq!(robot.ground.static_friction, f64::INFINITY);
+    robot.ground.across_friction = 0.1;
+    let rig = Rig::new(&robot, &[]).expect("a rig");
+    let launch = saltus_sim_check::Launch::at_firing(5.0, -0.1, 0.1);
+    let report = rig.jump(&launch, &Plan::default()).expect("a jump");
+    assert_eq!(report.slips_at, None);
+    // The arc of a boom of 2 m goes aside by 1 mm in a stance of 6 cm.
+    assert!(report.slipped[1].abs() > 1e-4, "{:?}", report.slipped);
+    assert!(report.slipped[0].abs() < 1e-9, "{:?}", report.slipped);
+}
+
 /// The least friction coefficient without slip, to 1e-5, by bisection between 0 and 3.
 fn least_friction(launch: &Launch) -> Result<f64, SimError> {
     let (mut low, mut high) = (0.0, 3.0);

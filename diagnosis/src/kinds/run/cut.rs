@@ -29,6 +29,10 @@ const MOST: usize = 8;
 /// Fewest strides from which a cause can be told from a single odd stride.
 const LEAST: usize = 4;
 
+/// What to do where most firings are left out as the robot ran too fast.
+const SLOWER: &str = "the robot runs too fast for most firings: log slower running, where each leg is home again before \
+                      its next touch-down";
+
 /// The strides of an experiment.
 pub(super) struct Cut {
     /// How many firings there are.
@@ -173,7 +177,13 @@ impl Cut {
 
     fn left_out(&self) -> String {
         let reason = |(why, count): (&Unfit, &usize)| format!("{count}: {}", why.reason());
-        self.unfit.iter().map(reason).collect::<Vec<_>>().join("; ")
+        let mut reasons: Vec<String> = self.unfit.iter().map(reason).collect();
+        let of_speed = self.unfit.iter().filter(|(why, _)| why.is_of_speed());
+        let too_fast: usize = of_speed.map(|(_, count)| count).sum();
+        if 2 * too_fast > self.firings {
+            reasons.push(SLOWER.into());
+        }
+        reasons.join("; ")
     }
 
     /// How many firings there are, how many are used, and why the others are not.

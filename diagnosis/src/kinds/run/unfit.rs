@@ -32,4 +32,12 @@ impl Unfit {
             Unfit::Unlike => "it is unlike the others, as if pushed",
         }
     }
+
+    /// Whether the robot ran too fast for it to be read.
+    pub(super) fn is_of_speed(self) -> bool {
+        matches!(
+            self,
+            Unfit::NotHome | Unfit::Hops | Unfit::OtherOut | Unfit::Short
+        )
+    }
 }

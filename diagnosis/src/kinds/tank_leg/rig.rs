@@ -140,6 +140,7 @@ impl Rig {
                 spring: ["nm_rad", "from_rad"].map(|of| number(&format!("{part}_spring_{of}"))),
             });
         }
+        let gas = |key: &str, of_air| settings.get(key).copied().unwrap_or(of_air);
         Ok(Rig {
             actuators,
             joints,
@@ -148,11 +149,8 @@ impl Rig {
             radius: number("link_radius_m"),
             damping: number("joint_damping_nm_s_rad"),
             gas: Gas {
-                constant: settings
-                    .get("gas_constant_j_kg_k")
-                    .copied()
-                    .unwrap_or(Gas::AIR.constant),
-                ..Gas::AIR
+                heat_ratio: gas("heat_ratio", Gas::AIR.heat_ratio),
+                constant: gas("gas_constant_j_kg_k", Gas::AIR.constant),
             },
             temperature: number("gas_temperature_k"),
             tank: number("tank_volume_m3"),

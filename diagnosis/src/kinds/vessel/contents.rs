@@ -1,12 +1,11 @@
 //! The gas in a vessel: which one the operator says it is, and how far it is from a perfect one.
 
 use saltus_robot::Gas;
+use saltus_robot::gas::MOLAR_CONSTANT;
 
 use crate::experiment::Run;
 use crate::kinds::Problem;
 
-/// Molar gas constant (J/(mol K)), exact by the definition of the units of 2019.
-const MOLAR: f64 = 8.314_462_618;
 /// Keys of a run.
 pub(super) const NAME: &str = "gas";
 pub(super) const MOLAR_MASS: &str = "molar_mass_kg_mol";
@@ -28,76 +27,56 @@ pub(super) struct Contents {
     pub(super) capacity: f64,
 }
 
-/// A gas that has a name.
+/// A gas that has a name, as a real one.
 struct Substance {
-    name: &'static str,
-    /// Molar mass (kg/mol).
-    molar_mass: f64,
-    /// Ratio of heat capacities at 300 K and low pressure.
-    heat_ratio: f64,
+    gas: Gas,
     /// Conductivity (W/(m K)) and viscosity (Pa s) at 300 K.
     transport: [f64; 2],
     /// Constants A₀ (kPa m⁶/kmol²), a, B₀, b (m³/kmol) and c (m³ K³/kmol) of Beattie and Bridgeman.
     state: [f64; 5],
 }
 
-/// Ratios of heat capacities, conductivities and viscosities: CRC Handbook of Chemistry and Physics;
-/// those of air near 280 K. Constants of state: Beattie and Bridgeman (1928), as in Çengel and Boles,
-/// Thermodynamics, table 3–4; of methane those of their paper.
+/// Conductivities and viscosities: CRC Handbook of Chemistry and Physics; those of air near 280 K.
+/// Constants of state: Beattie and Bridgeman (1928), as in Çengel and Boles, Thermodynamics, table 3–4;
+/// of methane those of their paper.
 const KNOWN: [Substance; 8] = [
     Substance {
-        name: "air",
-        molar_mass: MOLAR / Gas::AIR.constant,
-        heat_ratio: Gas::AIR.heat_ratio,
+        gas: Gas::AIR,
         transport: [0.0246, 1.75e-5],
         state: [131.8441, 0.01931, 0.04611, -0.001_101, 4.34e4],
     },
     Substance {
-        name: "nitrogen",
-        molar_mass: 0.028_013_4,
-        heat_ratio: 1.4,
+        gas: Gas::NITROGEN,
         transport: [0.0260, 1.79e-5],
         state: [136.2315, 0.02617, 0.05046, -0.00691, 4.20e4],
     },
     Substance {
-        name: "oxygen",
-        molar_mass: 0.031_998_8,
-        heat_ratio: 1.395,
+        gas: Gas::OXYGEN,
         transport: [0.0265, 2.08e-5],
         state: [151.0857, 0.02562, 0.04624, 0.004_208, 4.80e4],
     },
     Substance {
-        name: "argon",
-        molar_mass: 0.039_948,
-        heat_ratio: 5.0 / 3.0,
+        gas: Gas::ARGON,
         transport: [0.0179, 2.29e-5],
         state: [130.7802, 0.02328, 0.03931, 0.0, 5.99e4],
     },
     Substance {
-        name: "helium",
-        molar_mass: 0.004_002_602,
-        heat_ratio: 5.0 / 3.0,
+        gas: Gas::HELIUM,
         transport: [0.1567, 2.00e-5],
         state: [2.1886, 0.05984, 0.01400, 0.0, 40.0],
     },
     Substance {
-        name: "hydrogen",
-        molar_mass: 0.002_015_88,
-        heat_ratio: 1.405,
+        gas: Gas::HYDROGEN,
         transport: [0.1869, 9.0e-6],
         state: [20.0117, -0.00506, 0.02096, -0.04359, 504.0],
     },
     Substance {
-        name: "carbon dioxide",
-        molar_mass: 0.044_009_5,
-        heat_ratio: 1.289,
+        gas: Gas::CO2,
         transport: [0.0168, 1.50e-5],
         state: [507.2836, 0.07132, 0.10476, 0.07235, 6.60e5],
     },
     Substance {
-        name: "methane",
-        molar_mass: 0.016_042_5,
-        heat_ratio: 1.305,
+        gas: Gas::METHANE,
         transport: [0.0344, 1.12e-5],
         state: [230.7069, 0.01855, 0.05587, -0.01587, 1.283e5],
     },
@@ -105,10 +84,10 @@ const KNOWN: [Substance; 8] = [
 
 /// The names, each with its number.
 pub(super) const WORDS: &[(&str, f64)] = &{
-    let mut words = [("", 0.0); KNOWN.len()];
+    let mut words = [("", 0.0); Gas::NAMED.len()];
     let mut k = 0;
-    while k < KNOWN.len() {
-        words[k] = (KNOWN[k].name, k as f64);
+    while k < words.len() {
+        words[k] = (Gas::NAMED[k].0, k as f64);
         k += 1;
     }
     words
@@ -121,7 +100,8 @@ fn substance(run: &Run) -> Option<&'static Substance> {
     }
     let number = run.settings.get(NAME).copied().unwrap_or(0.0);
     let place = WORDS.iter().position(|word| word.1 == number);
-    Some(&KNOWN[place.unwrap_or(0)])
+    let (_, gas) = Gas::NAMED[place.unwrap_or(0)];
+    KNOWN.iter().find(|own| own.gas == gas)
 }
 
 /// The gas of a run: air where nothing else is said.
@@ -131,7 +111,7 @@ fn substance(run: &Run) -> Option<&'static Substance> {
 pub(super) fn contents(run: &Run) -> Contents {
     let of = |key: &str| run.settings.get(key).copied();
     if let (Some(molar_mass), Some(heat_ratio)) = (of(MOLAR_MASS), of(HEAT_RATIO)) {
-        let gas = perfect(molar_mass, heat_ratio);
+        let gas = Gas::of_molar_mass(molar_mass, heat_ratio);
         let [_, viscosity] = KNOWN[0].transport;
         let capacity = heat_ratio * gas.constant / (heat_ratio - 1.0);
         let prandtl = 4.0 * heat_ratio / (9.0 * heat_ratio - 5.0);
@@ -143,7 +123,7 @@ pub(super) fn contents(run: &Run) -> Contents {
         };
     }
     let own = substance(run).unwrap_or(&KNOWN[0]);
-    let gas = perfect(own.molar_mass, own.heat_ratio);
+    let gas = own.gas;
     let [conductivity, viscosity] = own.transport;
     Contents {
         gas,
@@ -155,14 +135,7 @@ pub(super) fn contents(run: &Run) -> Contents {
 
 /// Whether a run is of air.
 pub(super) fn is_air(run: &Run) -> bool {
-    substance(run).is_some_and(|own| own.name == KNOWN[0].name)
-}
-
-fn perfect(molar_mass: f64, heat_ratio: f64) -> Gas {
-    Gas {
-        heat_ratio,
-        constant: MOLAR / molar_mass,
-    }
+    substance(run).is_some_and(|own| own.gas == Gas::AIR)
 }
 
 /// Refuses a gas that is said twice, or half.
@@ -194,7 +167,7 @@ pub(super) fn note(run: &Run, pressure: f64, temperature: f64) -> Option<String>
         "{}: {} at {} bar and {} K is no perfect gas, as which it is computed: \
          its compressibility factor p V/(n R T) is",
         run.name,
-        own.name,
+        own.gas.name().unwrap_or(NAME),
         shown(pressure / 1e5),
         shown(temperature)
     );
@@ -219,7 +192,7 @@ impl Substance {
     fn compressibility(&self, pressure: f64, temperature: f64) -> Option<f64> {
         let [a0, a, b0, b, c] = self.state;
         // kJ/(kmol K) and kPa, m³/kmol.
-        let heat = MOLAR * temperature;
+        let heat = MOLAR_CONSTANT * temperature;
         let mut factor = 1.0_f64;
         for _ in 0..200 {
             let volume = factor * heat / (1e-3 * pressure);
@@ -248,7 +221,10 @@ mod tests {
     #[test]
     fn compressibility_is_that_of_tables() {
         let check = |name: &str, bar: f64, temperature: f64, factor: f64| {
-            let own = KNOWN.iter().find(|own| own.name == name).expect("known");
+            let own = KNOWN
+                .iter()
+                .find(|own| own.gas.name() == Some(name))
+                .expect("known");
             let found = own.compressibility(1e5 * bar, temperature).expect("a gas");
             // The equation is true to 1 %.
             assert!(
@@ -256,6 +232,10 @@ mod tests {
                 "{name} {bar}: {found}"
             );
         };
+        // Each gas that a file may name has a substance.
+        for (name, gas) in Gas::NAMED {
+            assert!(KNOWN.iter().any(|own| own.gas == gas), "{name}");
+        }
         check("hydrogen", 150.0, 293.15, 1.09);
         check("hydrogen", 100.0, 300.0, 1.06);
         check("nitrogen", 100.0, 300.0, 1.005);
@@ -263,7 +243,7 @@ mod tests {
         check("helium", 150.0, 293.15, 1.07);
         check("carbon dioxide", 10.0, 300.0, 0.95);
         // Carbon dioxide is liquid above 57 bar at room temperature.
-        let own = KNOWN.iter().find(|own| own.name == "carbon dioxide");
+        let own = KNOWN.iter().find(|own| own.gas == Gas::CO2);
         assert_eq!(own.and_then(|own| own.compressibility(1e7, 293.15)), None);
     }
 

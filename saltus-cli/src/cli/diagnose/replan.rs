@@ -33,7 +33,7 @@ impl Replan {
         let how = Verification {
             samples: 200,
             seed,
-            tolerance: f64::INFINITY,
+            tolerance: Some(f64::INFINITY),
             share: 0.95,
             ..Verification::default()
         };

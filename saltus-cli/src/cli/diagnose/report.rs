@@ -10,9 +10,10 @@ use serde_json::{Map, Value, json};
 use super::blocks::{self, Block, Charts, Lead};
 use super::known;
 use super::replan::Replan;
-use super::steps::{Step, left_out, steps};
+use super::steps::{Step, left_out, newly_left_out, steps};
 use super::words::{estimate, interval, misstated};
 use super::{Found, MOST};
+use crate::cli::common::left_out_words;
 use crate::output::{Column, Table, cells, columns, digits, joined, split, unit, with_unit};
 use crate::slip::{Estimated, slip};
 
@@ -498,16 +499,17 @@ impl<'a> Report<'a> {
                 format!("{} s ω + {} rad", digits(a, 4), digits(b, 4))
             })
         };
-        let left_out = left_out(self.found).join(", ");
+        let changed = left_out_words(&newly_left_out(self.found));
+        let left_out = left_out_words(&left_out(self.found));
         let (distance, rates) = (worth.distance, worth.rows.len());
         let [before, after] = [
             (before, digits(1e3 * before, 3)),
             (after, digits(1e3 * after, 3)),
         ];
-        if !left_out.is_empty() && (before.0 - after.0).abs() < 1e-2 * before.0 {
+        if !changed.is_empty() && (before.0 - after.0).abs() < 1e-2 * before.0 {
             return Some(format!(
                 "Firing tables for {distance} m stay as they were: the planner has no term for \
-                 {left_out}. Jumps of the corrected robot land {} mm off the target (root mean \
+                 {changed}. Jumps of the corrected robot land {} mm off the target (root mean \
                  square over {rates} approach rates); `saltus verify` simulates them.",
                 after.1
             ));

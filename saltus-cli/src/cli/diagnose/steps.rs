@@ -4,10 +4,13 @@ use std::path::Path;
 
 use saltus::Robot;
 use saltus::diagnosis::{Candidate, Finding, Reported};
+use saltus::robot::Term;
 use serde_json::{Value, json};
 
 use super::words::estimate;
 use super::{Diagnose, Found};
+use crate::cli::common::left_out_words;
+use crate::cli::moved::quoted;
 use crate::output::{digits, unit};
 
 /// A step: what to do, and the command that does it.
@@ -57,6 +60,19 @@ pub(super) fn left_out(found: &Found<'_>) -> Vec<String> {
         .extended
         .as_ref()
         .map_or(Vec::new(), Robot::beyond_the_plane)
+}
+
+/// Of these the keys that the diagnosis changed.
+pub(super) fn newly_left_out(found: &Found<'_>) -> Vec<String> {
+    let value = |robot: Option<&Robot>, key: &String| {
+        let robot = robot?;
+        let term = Term::ALL.iter().find(|term| term.key(robot) == *key)?;
+        term.of(robot)
+    };
+    let (before, after) = (found.robot.as_ref(), found.extended.as_ref());
+    let mut keys = left_out(found);
+    keys.retain(|key| value(before, key) != value(after, key));
+    keys
 }
 
 /// What to do, in order.
@@ -159,7 +175,7 @@ fn correct_robot(found: &Found<'_>) -> Vec<Step> {
             again(found.asked, &format!("--extend {file}")),
         ));
     }
-    let left_out = left_out(found).join(", ");
+    let left_out = left_out_words(&newly_left_out(found));
     if left_out.is_empty() {
         let distance = found.worth.as_ref().map_or(0.6, |worth| worth.distance);
         // On a boom the planar model alone is off by centimetres.
@@ -195,19 +211,6 @@ fn correct_robot(found: &Found<'_>) -> Vec<Step> {
         format!("saltus diagnose NEW_RUNS --robot {file}"),
     ));
     all
-}
-
-/// A word of a command line.
-fn quoted(word: &str) -> String {
-    let is_plain = !word.is_empty()
-        && word
-            .chars()
-            .all(|c| c.is_alphanumeric() || "-_./:=,+@%".contains(c));
-    if is_plain {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
 }
 
 #[cfg(test)]

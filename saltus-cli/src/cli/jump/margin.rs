@@ -3,7 +3,7 @@
 use saltus::running::Share;
 use serde_json::{Value, json};
 
-use crate::output::digits;
+use crate::output::{digits, measured};
 
 /// What came of a robot before a box.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl Margin {
     /// The lines of a report on a box `height` (m) high, and on what is nearer to being cleared by
     /// `enough` of the robots, if fewer clear it.
     pub(super) fn lines(&self, height: f64, share: Share, enough: f64) -> Vec<(String, String)> {
-        let short = |x: f64| digits(x, 4);
+        let short = |x: f64| measured(x, 4);
         let (robots, over) = (self.robots, self.over.len());
         let mut lines = vec![(
             "over the box",

@@ -10,7 +10,7 @@ use super::super::Status;
 use super::margin::{Margin, Passage};
 use super::{Course, ENOUGH, Jump, refused};
 use crate::error::CliError;
-use crate::output::{self, Format, digits, in_words};
+use crate::output::{self, Format, counted, in_words, measured};
 use crate::progress::Progress;
 
 /// How the table for a sensed box is made.
@@ -137,7 +137,7 @@ impl Answer<'_> {
     }
 
     fn text(&self) -> String {
-        let short = |x: f64| digits(x, 4);
+        let short = |x: f64| measured(x, 4);
         let sensed = self.sensed;
         let reach = sensed.robot.sensors.unwrap_or_default().range_reach;
         let head = format!(
@@ -151,7 +151,10 @@ impl Answer<'_> {
             short(reach),
         );
         let (cells, runs) = (self.table.cells.len(), sensed.runs * sensed.rounds);
-        let mut lines = vec![("table".to_owned(), format!("{cells} cells, of {runs} runs"))];
+        let mut lines = vec![(
+            "table".to_owned(),
+            format!("{}, of {}", counted(cells, "cell"), counted(runs, "run")),
+        )];
         if sensed.room > 0.0 {
             let room = format!("{} m; nearer, it backs off first", short(sensed.room));
             lines.push(("room to run up".into(), room));

@@ -5,7 +5,7 @@ use saltus::learning::{Interval, Learnt, PolicyFile, Pupil, Settings, Task, inte
 use saltus::running::Share;
 use serde_json::{Value, json};
 
-use crate::output::{self, Column, Table, columns, digits};
+use crate::output::{self, Column, Table, columns, counted, digits, measured};
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::BLUE;
 use crate::plot::sheet::{Panel, Sheet};
@@ -139,19 +139,16 @@ impl Report<'_> {
             line("interrupted", says.into());
         }
         let all = s.schedule.episodes;
-        let episodes = if self.interrupted {
-            format!("{} of {all}", self.done())
-        } else {
-            all.to_string()
-        };
+        let mut episodes = counted(all, "episode");
+        if self.interrupted {
+            episodes = format!("{} of {episodes}", self.done());
+        }
         let head = format!(
-            "{}: {} by {}, {episodes} episode{}, {} seed{}",
+            "{}: {} by {}, {episodes}, {}",
             s.plant.robot.name,
             s.task.name(),
             s.algorithm.name(),
-            plural(all),
-            self.learnt.pupils.len(),
-            plural(self.learnt.pupils.len())
+            counted(self.learnt.pupils.len(), "seed")
         );
         output::lines(&head, 24, &lines)
     }
@@ -253,11 +250,11 @@ impl Report<'_> {
         };
         Sheet {
             title: format!(
-                "{}: {} by {}, {} seeds: mean of the middle half, 95 % interval thin",
+                "{}: {} by {}, {}: mean of the middle half, 95 % interval thin",
                 s.plant.robot.name,
                 s.task.name(),
                 s.algorithm.name(),
-                self.learnt.pupils.len()
+                counted(self.learnt.pupils.len(), "seed")
             ),
             wide: vec![panel],
             ..Sheet::default()
@@ -279,8 +276,7 @@ fn broken(pupil: &Pupil) -> usize {
 }
 
 fn short(x: f64) -> String {
-    // What a robot at rest is moved by round-off is nothing.
-    digits(if x.abs() < 1e-9 { 0.0 } else { x }, 4)
+    measured(x, 4)
 }
 
 /// A value with its interval.
@@ -297,8 +293,4 @@ fn said(interval: Option<Interval>, unit: &str) -> String {
             )
         },
     )
-}
-
-fn plural(count: usize) -> &'static str {
-    if count == 1 { "" } else { "s" }
 }

@@ -71,13 +71,13 @@ A course, here one jump over a low box:
   height_m = 0.1
 
 Keys: jumps [1], start_x_m [0], start_height_m [0], approach_rate_rad_s, target_x_m (where the last \
-landing should be), goal_from_x_m and goal_to_x_m (where it must be; the target is their middle unless \
-given), start_lean_rad [the firing angle], firing_angle_rad [[-0.6, 0.8]], valve_open_s [[0.02, 0.1]], \
+landing must be, to a fifth of the wheel's radius), goal_from_x_m and goal_to_x_m (where it must be; target_x_m is then \
+where it should be, their middle unless given), start_lean_rad [the firing angle], firing_angle_rad [[-0.6, 0.8]], valve_open_s [[0.02, 0.1]], \
 roll_m (from a landing to the next foothold) [0], clearance_m of the wheel over obstacles [0], \
 edge_margin_m (least distance of a landing from the ends of its ground: obstacles, areas to avoid, its \
 zone, the goal; the wheel's rim stays clear of an obstacle beside it too) [0.005], margin_sigmas (standard \
 deviations of the landing that are kept besides) [2], leg_out_s (how long after lift-off the leg is out and \
-must stay clear too) [0], friction_coefficient [the foot holds], deviation_weight (1/m²) [100] and effort_weight (1/s²) [1] of the cost. \
+must stay clear too) [0], friction_coefficient [the foot holds], deviation_weight (1/m², of the last landing less the target; 0: anywhere will do) [100] and effort_weight (1/s²) [1] of the cost. \
 Tables: [[obstacle]] front_x_m, width_m, height_m; [[land]] from_x_m, to_x_m, jump (where that jump must \
 land); [[avoid]] from_x_m, to_x_m (where none may). Units are those of robot files: height_mm, front_x_cm, \
 start_lean_deg. approach_rate_rad_s holds one number, or a list with one for each jump. A landing is where \
@@ -108,7 +108,7 @@ robot's [errors]), target_x_m and off_target_m (landing less target; last jump),
 (true or false: whether all limits of the jump hold in the planar model).
 
 JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
-holds-in-the-planar-model, fails-in-the-planar-model (with --plant: holds-on-the-plant, fails-on-the-plant), infeasible or undecided, \"cost\": …, \"bound\" (no plan \
+holds-in-the-planar-model, fails-in-the-planar-model (with --plant: holds-on-the-plant, fails-on-the-plant), misses-the-target, infeasible or undecided, \"cost\": …, \"bound\" (no plan \
 costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"obstacles\": [{\"front_x_m\", \"width_m\", \"height_m\"}], \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
 \"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
@@ -120,7 +120,7 @@ plant jumps as the planar model says)}, and \"hold\" (null without --share): {\"
 \"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"missed_most\", \
 \"landings\" (without errors, on each ground: {\"friction\", \"land_x_m\"}), \"blocked_by\"}.
 
-The exit code is 1 unless there is a plan that holds in the planar model (with --plant: on that robot; with --share: that often) and the search was not interrupted.";
+The exit code is 1 unless there is a plan that lands on the target or in the goal and holds in the planar model (with --plant: on that robot; with --share: that often) and the search was not interrupted.";
 
 impl Plan {
     pub(crate) fn run(self) -> Result<Status, CliError> {
@@ -135,7 +135,7 @@ impl Plan {
         let crossing = input::course(&self.course)?;
         let file = self.course.display().to_string();
         let runs = self.errors.share.map(|share| Verification {
-            tolerance: f64::INFINITY,
+            tolerance: Some(f64::INFINITY),
             ..self.errors.verification(200, share)
         });
         let interrupt = Interrupt::listen()?;
@@ -173,8 +173,10 @@ impl Plan {
             plant: plant.as_ref().map(OnPlant::robot).zip(correction),
             hold,
         };
-        if !matches!(answer, CrossingAnswer::Plan(_)) && self.common.format() == Format::Csv {
-            // A table without rows says nothing of why.
+        let is_missed = report.off_demanded(robot).is_some();
+        let has_plan = matches!(answer, CrossingAnswer::Plan(_)) && !is_missed;
+        if !has_plan && self.common.format() == Format::Csv {
+            // A table says nothing of why.
             output::message(report.text(robot, &file).trim_end());
         }
         let report = match self.common.format() {
@@ -185,7 +187,9 @@ impl Plan {
         let drawing = || Ok(scene::scene(&answer, &crossing, &planner, &file));
         self.common.write(report, drawing)?;
         match answer {
-            CrossingAnswer::Plan(plan) if plan.holds() && is_enough && !interrupt.came() => {
+            CrossingAnswer::Plan(plan)
+                if plan.holds() && is_enough && !is_missed && !interrupt.came() =>
+            {
                 Ok(Status::Done)
             }
             _ => Ok(Status::No),

@@ -1,16 +1,16 @@
 //! Plans as rows, as JSON and in words.
 
 use saltus::Robot;
-use saltus::course::ANYWHERE;
-use saltus::planner::course::{Obstacle, Relief, Span};
+use saltus::course::{ANYWHERE, demanded_target};
+use saltus::planner::course::{MAX_JUMPS, Obstacle, Relief, Span};
 use saltus::planner::{Check, Correction, Crossing, CrossingAnswer, CrossingPlan, PlannedJump};
 use saltus::robust::Margins;
-use saltus::verify::Demand;
+use saltus::verify::{Demand, Verification};
 use serde_json::{Value, json};
 
 use crate::cli::common::opening;
 use crate::cli::limits;
-use crate::output::{self, Column, Table, columns, digits};
+use crate::output::{self, Column, Table, columns, counted, digits, measured};
 
 /// A jump of a plan, and its number from 0.
 struct Row<'a> {
@@ -140,9 +140,9 @@ impl Hold {
         let share = |x: f64| digits(100.0 * x, 3);
         let mut lines = vec![
             format!(
-                "the plan {verdict} for {} % of {} runs with errors drawn, {} % asked for",
+                "the plan {verdict} for {} % of {} with errors drawn, {} % asked for",
                 share(self.share),
-                self.runs,
+                counted(self.runs, "run"),
                 share(self.asked)
             ),
             format!(
@@ -203,9 +203,26 @@ impl Report<'_> {
         Table::of(&columns(), rows)
     }
 
-    fn status(&self) -> (&'static str, String) {
+    /// Landing less target (m) of a plan, if the course demands the target and the plan is farther from it
+    /// than `saltus verify` allows.
+    pub(super) fn off_demanded(&self, robot: &Robot) -> Option<f64> {
+        let CrossingAnswer::Plan(plan) = self.answer else {
+            return None;
+        };
+        let target = demanded_target(self.crossing)?;
+        let off = plan.jumps.last()?.landing[0] - target;
+        let allowed = Verification::default().tolerance(robot.body.radius);
+        (off.abs() > allowed).then_some(off)
+    }
+
+    fn status(&self, robot: &Robot) -> (&'static str, String) {
         let plant = self.plant.as_ref().map(|(plant, _)| &plant.name);
         match (self.answer, plant) {
+            (CrossingAnswer::Plan(plan), _)
+                if plan.holds() && self.off_demanded(robot).is_some() =>
+            {
+                ("misses-the-target", "misses the target".into())
+            }
             (CrossingAnswer::Plan(plan), None) if plan.holds() => (
                 "holds-in-the-planar-model",
                 "holds in the planar model (`saltus verify` flies it)".into(),
@@ -275,7 +292,7 @@ impl Report<'_> {
             "command": "plan",
             "robot": robot.name,
             "course": file,
-            "status": self.status().0,
+            "status": self.status(robot).0,
             "cost": plan.map(|plan| plan.search.cost),
             "bound": plan.map(|plan| plan.search.bound),
             "complete": complete,
@@ -312,14 +329,18 @@ impl Report<'_> {
 
     /// The plan in words.
     pub(super) fn text(&self, robot: &Robot, file: &str) -> String {
-        let title = format!("{}: plan for {file}: {}\n", robot.name, self.status().1);
+        let title = format!(
+            "{}: plan for {file}: {}\n",
+            robot.name,
+            self.status(robot).1
+        );
         let hold = self.hold.as_ref();
         let hold = hold.map_or_else(String::new, |hold| hold.text(self.crossing));
         let title = title + &self.correction_text() + &hold;
         let body = match self.answer {
             CrossingAnswer::Plan(plan) => {
                 self.table(robot).text()
-                    + &self.target_text(plan)
+                    + &self.target_text(plan, robot)
                     + &self.search_text(plan)
                     + &checks_text(plan)
             }
@@ -338,7 +359,7 @@ impl Report<'_> {
     }
 
     /// How far the last landing is from the target.
-    fn target_text(&self, plan: &Plan) -> String {
+    fn target_text(&self, plan: &Plan, robot: &Robot) -> String {
         let Some(last) = plan.jumps.last() else {
             return String::new();
         };
@@ -353,16 +374,70 @@ impl Report<'_> {
         };
         let line = format!(
             "  last landing {} m, {}; {zone}\n",
-            digits(landing, 4),
+            measured(landing, 4),
             off_target(landing, target)
         );
-        let is_far = (target - landing).abs() > (landing - self.crossing.course.start).abs();
-        line + if is_far {
-            "  → The target is farther away than all jumps go together. Is target_x_m in another \
-             unit (target_x_cm, target_x_mm)?\n"
+        let advice = match self.off_demanded(robot) {
+            Some(_) => self.missed_text(plan, robot),
+            None => Vec::new(),
+        };
+        let slip = self.unit_text(landing);
+        let advice = advice.into_iter().chain(slip);
+        advice.fold(line, |text, sentence| text + &format!("  → {sentence}\n"))
+    }
+
+    /// Why a plan does not land on the target that the course demands, and what to do.
+    fn missed_text(&self, plan: &Plan, robot: &Robot) -> Vec<String> {
+        let (course, target) = (&self.crossing.course, self.crossing.target);
+        let Some(last) = plan.jumps.last() else {
+            return Vec::new();
+        };
+        let (low, high) = (last.landing[0].min(target), last.landing[0].max(target));
+        let between = |span: &Span| span.low < high && span.high > low;
+        let boxes = course.obstacles.iter().map(Obstacle::span);
+        let boxes = boxes.zip(1..).filter(|(span, _)| between(span));
+        let areas = course.no_landing.iter().zip(1..);
+        let areas = areas.filter(|(span, _)| between(span));
+        let names: Vec<String> = boxes
+            .map(|(_, number)| format!("obstacle {number}"))
+            .chain(areas.map(|(_, number)| format!("avoid area {number}")))
+            .collect();
+        let allowed = 1e3 * Verification::default().tolerance(robot.body.radius);
+        let why = if names.is_empty() {
+            "No plan lands nearer to the target".to_owned()
         } else {
-            ""
+            format!(
+                "Between the landing and the target lies {}",
+                names.join(", ")
+            )
+        };
+        let mut all = vec![format!(
+            "{why}; the landing must be within {} mm of it, a fifth of the wheel's radius.",
+            digits(allowed, 3)
+        )];
+        let (jumps, start) = (course.jumps as f64, course.start);
+        let reach = (last.landing[0] - start) / jumps;
+        let more = ((target - start) / reach).ceil();
+        if names.is_empty() && more > jumps && more <= MAX_JUMPS as f64 {
+            all.push(format!("Try jumps = {more}."));
         }
+        all.push(
+            "If another place will do, give the goal: the last landing may be anywhere from goal_from_x_m \
+             to goal_to_x_m."
+                .into(),
+        );
+        all
+    }
+
+    /// Asks for the unit of a target that is ten times as far away as the plan goes, by which a centimetre
+    /// differs from a metre.
+    fn unit_text(&self, landing: f64) -> Option<String> {
+        let way = |place: f64| (place - self.crossing.course.start).abs();
+        (way(self.crossing.target) > 10.0 * way(landing)).then(|| {
+            "The target is ten times as far away as all jumps go together. Is target_x_m in another unit \
+             (target_x_cm, target_x_mm)?"
+                .into()
+        })
     }
 
     /// What is known of better plans.
@@ -426,11 +501,11 @@ pub(super) fn off_target(landing: f64, target: f64) -> String {
         return format!("on the target at {} m", digits(target, 4));
     }
     let side = if off < 0.0 { "short of" } else { "beyond" };
-    format!(
-        "{:.1} mm {side} the target at {} m",
-        1e3 * off.abs(),
-        digits(target, 4)
-    )
+    let off = match off.abs() {
+        off @ 1.0.. => format!("{} m", digits(off, 3)),
+        off => format!("{:.1} mm", 1e3 * off),
+    };
+    format!("{off} {side} the target at {} m", digits(target, 4))
 }
 
 /// Numbers that are not finite, no limit among them, are null.
@@ -448,7 +523,7 @@ fn check_json(check: &Check) -> Value {
 fn checks_text(plan: &Plan) -> String {
     let line = |check: &Check| {
         let sign = if check.holds() { "holds" } else { "FAILS" };
-        let (value, allowed) = (digits(check.value, 4), allowed(check.allowed));
+        let (value, allowed) = (measured(check.value, 4), allowed(check.allowed));
         format!(
             "  {sign}  jump {}: {} {value}, {allowed}\n",
             check.jump + 1,

@@ -1,5 +1,7 @@
 //! Plans as a drawing.
 
+use std::path::Path;
+
 use saltus::Jump;
 use saltus::course::ANYWHERE;
 use saltus::planner::course::Span;
@@ -8,11 +10,12 @@ use saltus::planner::{
 };
 
 use super::report::{Answer, off_target};
-use crate::output::digits;
+use crate::output::{digits, file_name, measured};
 use crate::plot::ground::{CELLAR, Ground};
 use crate::plot::line::{Line, Mark};
 use crate::plot::palette::{BLUE, GREY, INK, RED};
 use crate::plot::sheet::{Label, Panel, Sheet, Side};
+use crate::plot::span;
 
 /// Wheels drawn along a flight.
 const WHEELS: usize = 6;
@@ -51,10 +54,15 @@ pub(super) fn scene(
     };
     let words = "wheel's centre: stance solid, flight dotted";
     panel.lines.push(Line::note(words, INK));
+    let mut flights = Vec::new();
     for (i, jump) in jumps.iter().enumerate() {
         let fails = missed.iter().any(|check| check.jump == i);
-        leap(jump, planner, fails, &mut panel);
+        flights.push(leap(jump, planner, fails, &mut panel));
     }
+    let firings = jumps.iter().map(|jump| firing(jump, planner));
+    let labels = labels(firings, &flights, radius, &panel.lines);
+    panel.labels.extend(labels);
+    let file = file_name(Path::new(file));
     let plan = match jumps {
         [] => format!("no plan for {file}"),
         [.., last] => format!(
@@ -71,7 +79,7 @@ pub(super) fn scene(
 
 fn why(check: &Check) -> String {
     let number = check.jump + 1;
-    let value = digits(check.value, 4);
+    let value = measured(check.value, 4);
     format!("FAILS: jump {number}: {} {value}", check.what)
 }
 
@@ -95,10 +103,60 @@ pub(crate) fn path(jump: &Jump, height: f64, planner: &Planner<Corrected>) -> [V
     [stance.collect(), flight]
 }
 
-/// Adds a jump: the wheel along its path, the leg at lift-off, the foothold and how it is fired.
-fn leap(planned: &PlannedJump, planner: &Planner<Corrected>, fails: bool, panel: &mut Panel) {
-    let (foot, radius) = (planned.foot, planner.robot().body.radius);
+/// Half the width of a firing's label, in widths of the chart.
+const HALF_LABEL: f64 = 0.1;
+/// Distance of a label's next place above, in widths of the chart.
+const NEXT_LABEL: f64 = 0.02;
+
+/// The words of each firing over its flight, above every wheel that they would lie on.
+fn labels(
+    firings: impl Iterator<Item = String>,
+    flights: &[Vec<(f64, f64)>],
+    radius: f64,
+    lines: &[Line],
+) -> Vec<Label> {
+    let places = lines.iter().flat_map(|line| &line.points);
+    let (low, high) = span(places.map(|(x, _)| *x));
+    let width = high - low;
+    let label = |(words, flight): (String, &Vec<(f64, f64)>)| {
+        let apex = flight.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let is_near = |at: &&(f64, f64)| (at.0 - apex.0).abs() < radius + HALF_LABEL * width;
+        let centres = flights.iter().flatten().filter(is_near);
+        let top = centres.fold(apex.1, |top, at| top.max(at.1)) + radius;
+        let rows = [0.0, 1.0, 2.0];
+        Some(Label {
+            words,
+            places: rows
+                .map(|row| (apex.0, top + row * NEXT_LABEL * width))
+                .into(),
+            side: Side::Above,
+            color: INK,
+        })
+    };
+    firings.zip(flights).filter_map(label).collect()
+}
+
+/// How a jump is fired.
+fn firing(planned: &PlannedJump, planner: &Planner<Corrected>) -> String {
     let launch = &planned.jump.launch;
+    let angle = digits(launch.firing_angle, 3);
+    let mut words = format!("α_f = {angle} rad");
+    if planner.robot().leg.drive.has_valve() {
+        let open = digits(1e3 * launch.valve_open, 3);
+        words = format!("{words}, valve {open} ms");
+    }
+    words.replace('-', "−")
+}
+
+/// Adds a jump: the wheel along its path, the leg at lift-off and the foothold. Returns the path of the
+/// flight.
+fn leap(
+    planned: &PlannedJump,
+    planner: &Planner<Corrected>,
+    fails: bool,
+    panel: &mut Panel,
+) -> Vec<(f64, f64)> {
+    let (foot, radius) = (planned.foot, planner.robot().body.radius);
     let moved = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
         let points = points.into_iter();
         points.map(|(x, y)| (foot[0] + x, foot[1] + y)).collect()
@@ -121,22 +179,6 @@ fn leap(planned: &PlannedJump, planner: &Planner<Corrected>, fails: bool, panel:
             Line::new(Mark::Stroke(1), rim, disc),
         ]);
     }
-    let angle = digits(launch.firing_angle, 3);
-    let mut words = format!("α_f = {angle} rad");
-    if planner.robot().leg.drive.has_valve() {
-        let open = digits(1e3 * launch.valve_open, 3);
-        words = format!("{words}, valve {open} ms");
-    }
-    let apex = flight.iter().copied();
-    panel.labels.push(Label {
-        words: words.replace('-', "−"),
-        places: apex
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .into_iter()
-            .collect(),
-        side: Side::Above,
-        color: INK,
-    });
     let leg = stance
         .last()
         .into_iter()
@@ -144,9 +186,10 @@ fn leap(planned: &PlannedJump, planner: &Planner<Corrected>, fails: bool, panel:
     panel.lines.extend([
         Line::new(Mark::Stroke(3), INK, leg),
         Line::new(Mark::Stroke(3), color, stance.clone()),
-        Line::new(Mark::Dotted, color, flight),
+        Line::new(Mark::Dotted, color, flight.clone()),
         Line::new(Mark::Disc(4), INK, [foot.into()]),
     ]);
+    flight
 }
 
 /// The rim of a wheel.
@@ -188,7 +231,14 @@ mod tests {
             panic!("no plan")
         };
         let planner = crossed.planner;
-        let drawn = |plan| scene(&CrossingAnswer::Plan(plan), &crossing, &planner, "two.toml");
+        let drawn = |plan| {
+            scene(
+                &CrossingAnswer::Plan(plan),
+                &crossing,
+                &planner,
+                "some/long/path/two.toml",
+            )
+        };
         // The paths and wheels of jumps that fail.
         let red = |sheet: &Sheet| {
             let lines = sheet.wide[0].lines.iter();
@@ -197,6 +247,19 @@ mod tests {
                 .count()
         };
         let good = drawn(plan.clone());
+        // No wheel is under the words of a firing, and the title has no folder.
+        let radius = planner.robot().body.radius;
+        let tops = good.wide[0].lines.iter();
+        let tops = tops.filter(|line| line.mark == Mark::Dotted);
+        let tops: Vec<(f64, f64)> = tops.flat_map(|line| line.points.clone()).collect();
+        let labels = good.wide[0].labels.iter();
+        let labels: Vec<&Label> = labels.filter(|it| it.words.starts_with("α_f")).collect();
+        assert_eq!(labels.len(), 2);
+        for (x, y) in labels.iter().map(|label| label.places[0]) {
+            let is_under = |at: &&(f64, f64)| (at.0 - x).abs() < radius;
+            assert!(tops.iter().filter(is_under).all(|at| y >= at.1 + radius));
+        }
+        assert!(good.title.starts_with("rats-planar: plan for two.toml: "));
         assert_eq!((good.wide[0].notes.len(), red(&good)), (0, 0));
         let words = |sheet: &Sheet| {
             sheet.wide[0]

@@ -20,7 +20,7 @@ use super::{RunFlags, note_interrupt};
 use crate::cli::Status;
 use crate::error::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{self, Files, Format, digits, full, message};
+use crate::output::{self, Files, Format, digits, full, measured, message};
 use crate::progress::Progress;
 use beside::Beside;
 use came::{Aim, Came, follow, leaving};
@@ -105,7 +105,7 @@ impl InSpace {
                 if let Some(stream) = rows.finish()? {
                     files.written(stream)?;
                 }
-                if let Some(what) = came.failure() {
+                if let Some(what) = came.failure().filter(|_| !interrupt.came()) {
                     message(&format!("the robot {what}"));
                 }
             }
@@ -149,21 +149,21 @@ impl InSpace {
         let mut lines = Vec::new();
         let mut line = |name: &str, what: String| lines.push((name.to_owned(), what));
         line("ending", came.words());
-        line("time", format!("{} s", digits(rolled.time, 6)));
+        line("time", format!("{} s", measured(rolled.time, 6)));
         let way = if came.aim == Aim::Line {
-            line("travel", format!("{} m", digits(rolled.travel, 5)));
+            line("travel", format!("{} m", measured(rolled.travel, 5)));
             rolled.travel
         } else {
-            line("way", format!("{} m", digits(came.way, 5)));
+            line("way", format!("{} m", measured(came.way, 5)));
             came.way
         };
         let speed = way / rolled.time.max(f64::MIN_POSITIVE);
-        line("mean speed", format!("{} m/s", digits(speed, 4)));
+        line("mean speed", format!("{} m/s", measured(speed, 4)));
         let most = format!("most aside of its {}", self.ball.followed());
         let aside = if came.is_turning() {
             "its line has not begun: it still turns".into()
         } else {
-            format!("{} m", digits(came.aside, 3))
+            format!("{} m", measured(came.aside, 3))
         };
         line(&most, aside);
         if self.ball.is_thesis() {
@@ -172,8 +172,8 @@ impl InSpace {
                 .map_or_else(|| "never".into(), |left| leaving(&left));
             line("left its plane", left);
         } else if came.aim == Aim::Line {
-            let heading = digits(came.heading, 3);
-            let wanted = digits(self.ball.heading(), 3);
+            let heading = measured(came.heading, 3);
+            let wanted = measured(self.ball.heading(), 3);
             let both = format!("{heading} rad, line {wanted} rad");
             line("heading at the end", both);
         } else {

@@ -6,11 +6,13 @@ use saltus::running::{RUNS_FROM, Together};
 use serde_json::{Value, json};
 
 use super::InPlane;
-use super::report::head;
+use super::report::{Disturbed, head};
 use crate::cli::Status;
 use crate::cli::refused::refused;
 use crate::error::CliError;
-use crate::output::{self, Column, Files, Format, Table, columns, digits, in_words, joined, share};
+use crate::output::{
+    self, Column, Files, Format, Table, columns, counted, digits, in_words, joined, measured, share,
+};
 use crate::progress::Progress;
 
 /// A drawn robot and what became of it.
@@ -18,7 +20,6 @@ struct Ran<'a> {
     number: usize,
     robot: Robot,
     run: &'a Result<Summary, GaitError>,
-    sign: f64,
 }
 
 impl Ran<'_> {
@@ -35,7 +36,7 @@ impl Ran<'_> {
     }
 }
 
-fn columns<'a>() -> [Column<Ran<'a>>; 23] {
+fn columns<'a>() -> [Column<Ran<'a>>; 24] {
     columns! {
         "robot", "", |it| it.number;
         "coulomb_friction_n", "", |it| it.robot.leg.coulomb_friction;
@@ -47,8 +48,9 @@ fn columns<'a>() -> [Column<Ran<'a>>; 23] {
         "stalled_since_s", "", |it| it.stalled(|since, _| since.max(0.0));
         "stalled_at_m", "", |it| it.stalled(|_, at| at);
         "travel_m", "", |it| it.of(|run| run.travel);
-        "mean_speed_m_s", "", |it| it.of(|run| it.sign * run.mean_speed);
-        "last_speed_m_s", "", |it| it.of(|run| it.sign * run.last_speed);
+        "mean_speed_m_s", "", |it| it.of(|run| run.mean_speed);
+        "mean_speed_last_4_s_m_s", "", |it| it.of(|run| run.mean_speed_last_4_s);
+        "speed_at_end_m_s", "", |it| it.of(|run| run.speed_at_end);
         "top_speed_m_s", "", |it| it.of(|run| run.top_speed);
         "reached_3_2_m_s_s", "", |it| it.of(|run| run.reached_3_2);
         "speed_at_1_6_s_m_s", "", |it| it.of(|run| run.speed_at_1_6);
@@ -130,6 +132,12 @@ impl Many<'_> {
         Together::of(&self.runs.iter().flatten(), self.sign())
     }
 
+    /// Whether each disturbance was there in any run.
+    fn met(&self) -> Vec<bool> {
+        let is_met = |k: usize| self.runs.iter().flatten().any(|run| run.disturbed[k]);
+        (0..self.run.plane.disturb.len()).map(is_met).collect()
+    }
+
     /// Those that could not be simulated, with the first reason.
     fn failures(&self) -> (usize, Option<String>) {
         let failed = || self.runs.iter().enumerate();
@@ -147,24 +155,24 @@ impl Many<'_> {
         let all = self.together();
         let setup = &self.ensemble.setup;
         let head = format!(
-            "{}: {}, {} s, {} drawn robots, seed {}",
+            "{}: {}, {} s, {}, seed {}",
             setup.robot.name,
             self.run.words,
             digits(setup.seconds, 6),
-            self.ensemble.robots,
+            counted(self.ensemble.robots, "drawn robot"),
             self.ensemble.seed
         );
         let mut lines: Vec<(String, String)> = Vec::new();
         let mut line = |name: &str, text: String| lines.push((name.into(), text));
-        for typed in &self.run.plane.disturb {
-            line("disturbed by", typed.text.clone());
+        let disturbed = Disturbed::of(&self.run.plane.disturb, &self.met());
+        for (name, text) in disturbed.lines(setup.seconds) {
+            line(name, text);
         }
         line("drawn", self.drawn());
         for (least, share) in RUNS_FROM.iter().zip(&all.running) {
             line(&format!("over {least} m/s in the end"), in_words(share));
         }
-        // A robot that stands has no speed, whatever the noise of its feet.
-        let short = |x: f64| digits(if x.abs() < 1e-6 { 0.0 } else { x }, 3);
+        let short = |x: f64| measured(x, 3);
         line("stalled in the end", self.stalled().to_string());
         let none = || "–".to_owned();
         let speed = all.speed.map(|it| it.map(short));
@@ -214,7 +222,6 @@ impl Many<'_> {
                 number,
                 robot: robot.map_err(|error| refused(error, around, self.run.angles))?,
                 run,
-                sign: self.sign(),
             })
         };
         let rows: Result<Vec<_>, CliError> = self.runs.iter().enumerate().map(row).collect();
@@ -262,7 +269,7 @@ impl Many<'_> {
             "gas_of_runners_kg_per_m": all.gas_per_metre,
             "runs": self.table()?.json(),
         });
-        let head = head(setup, self.run);
+        let head = head(setup, self.run, &self.met());
         Ok(output::json(&joined([head, answer])))
     }
 }

@@ -154,7 +154,7 @@ pub(crate) struct Valve {
 #[derive(Args, Debug)]
 pub(crate) struct Zone {
     /// Lean z₀ (rad) at which the active zone begins; it is one pitch of the legs wide [default: 0
-    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, but at most half a pitch]
+    /// for `fixed`, `open-loop` and `speed`, -0.3 for the others, of more than nine legs less]
     #[arg(long, value_name = "ANGLE", value_parser = quantity::angle, allow_hyphen_values = true)]
     pub(super) zone: Option<f64>,
 }
@@ -348,7 +348,8 @@ impl Law {
         let pitch = TAU / f64::from(robot.body.legs);
         let zone = senses.zone.zone.unwrap_or(match self {
             Law::Fixed { .. } | Law::OpenLoop { .. } | Law::Speed(_) => 0.0,
-            _ => (-0.3_f64).max(-0.5 * pitch),
+            // Not half a pitch: the rear leg of a robot that stands would lean by just where the zone ends.
+            _ => (-0.3_f64).max(-0.45 * pitch),
         });
         // The legs of a robot that has many are closer than the thesis' angle.
         let from = |ends: &Ends| ends.from.unwrap_or(0.35_f64.min(0.9 * (zone + pitch)));
@@ -359,7 +360,7 @@ impl Law {
             Law::OpenLoop { tanh, .. } => tanh.program(from(&tanh.ends), Reading::Seconds),
             Law::ClosedLoop { falls, .. } => falls.program(from(&falls.ends))?,
             Law::Curve { knots } => Program::Curve(knots.0.clone()),
-            Law::Smooth { aim } => aim.law().program(),
+            Law::Smooth { aim } => aim.law().for_legs(robot.body.legs),
             Law::Speed(_) => {
                 let law = speed_law(&robot, available());
                 Program::Curve(law.map_err(|error| refused(error, &robot, self.angles()))?)

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use saltus::Robot;
-use saltus::gait::{Ending, Logger, Program, Setup, When, run};
+use saltus::gait::{Ending, Logger, Program, Setup, run};
 use saltus::recording::Running;
 use saltus::robot::resolve_text;
 use saltus::sim_check::Stepping;
@@ -43,6 +43,7 @@ use gait::{Chosen, Plane};
 pub(crate) use gait::{Law, Senses};
 use held::Held;
 use recorder::Recorder;
+use report::Disturbed;
 use rows::{Columns, Rows};
 use telemetry::{MANIFEST, SETTINGS, Telemetry};
 
@@ -137,7 +138,7 @@ struct RunFlags {
     #[command(flatten)]
     mcap: McapOption,
 
-    /// Write every cycle's readings, outputs and truths into this new or empty folder
+    /// Write every cycle's readings, outputs and truths into this folder, which is made if it is not there and has to be empty
     #[arg(long, value_name = "FOLDER", help_heading = "Robot and output")]
     telemetry: Option<PathBuf>,
 
@@ -189,15 +190,19 @@ boom, or the axle without one, and torque (N m) turns the wheel, both towards po
 
 CSV: a row a cycle, written as it comes: time_s, x_m, height_m, vx_m_s, vz_m_s (axle), wheel_angle_rad, \
 wheel_rate_rad_s, leg_in_zone, lean_rad (of that leg, in the direction of the run), filtered_rate_rad_s, \
-firing_angle_rad (empty while no leg is to fire), fired_leg, valve_open_s (empty where none fires), stalled (by the controller, from the gyro alone), and for each leg extension_N_m and \
-pressure_N_pa (absolute). Numbers have 17 significant digits. A run that fails leaves no file.
+firing_angle_rad (empty while no leg is to fire), fired_leg, valve_open_s (empty where none fires, and where a policy opens a valve and decides later when it closes), stalled (by the controller, \
+from the gyro alone), and for each leg extension_N_m, pressure_N_pa (absolute) and valve_open_N_s (for how long of this cycle, from its begin, the output to its valve is on). Numbers have 17 significant digits. A run that fails leaves no file.
 
 JSON: {\"command\": \"run\", \"robot\", \"gait\", \"ending\", ...}: what the text says, in SI units, without rows. Energies \
 are in J: \"ledger_j\" has the work of the drives and from outside, and what was lost in legs, by slip, to the air, in impacts \
-at the ground and at end stops; what motion, height and springs gained; \"residual\" is work less losses and gains: what these do not explain.
+at the ground and at end stops; what motion, height and springs gained; \"residual\" is work less losses and gains: what these do not explain. \
+\"gas_residual\" is n R T times the gas that flowed, less what became of it.
+
+Travels and speeds are positive forwards, also with --direction backwards. Top speed and the times to 3.2 m/s and 1.6 m are those in the direction of the run. \
+A leg touches down where its foot was more than 1 mm above the ground before: a smaller rebound is none.
 
 Keys of a run (null: not reached, not asked for): \"gait_in_words\", \"direction\", \"seconds\" (asked for), \"ran_for_s\", \"step_s\", \"seed\", \"zone_rad\", \"taps\", \
-\"disturbances\", \"rear_leg_at_start\", \"travel_m\", \"way_m\", \"mean_speed_m_s\", \"last_speed_m_s\", \"top_speed_m_s\" and \"time_to_1_6_m_s\" (both of the first 1.6 m), \
+\"disturbances\", \"disturbances_not_met\" (the run does not come to their time or place), \"rear_leg_at_start\", \"travel_m\", \"way_m\", \"mean_speed_m_s\", \"mean_speed_last_4_s_m_s\", \"speed_at_end_m_s\", \"top_speed_m_s\" and \"time_to_1_6_m_s\" (both of the first 1.6 m), \
 \"speed_at_1_6_s_m_s\", \"reached_3_2_m_s_s\", \"firings\", \"touch_downs\", \"touch_downs_of_legs_out\", \"other_contacts\", \"first_other_contacts\", \
 \"legs_out_at_end\": [{\"leg\", \"extension_m\"}], \"leg_work_j\", \"gas_kg\", \"gas_kg_per_m\", \"exergy_j_per_m\", \"stalls\", \"demanded\": [{\"from_s\", \"speed_m_s\", \"mean_of_second_half_m_s\"}], \"boxes\", \"ending\": {\"how\"}, \
 \"ledger_j\": {\"drives\", \"outside\", \"legs\", \"slip\", \"air\", \"impacts_at_ground\", \"impacts_at_stops\", \"kinetic_gained\", \"potential_gained\", \"springs_gained\", \
@@ -209,10 +214,11 @@ Keys with --robots: \"robots\", \"drawn\": {\"coulomb_friction_n\", \"spring_sti
 \"speed_at_1_6_s_m_s\", \"time_to_3_2_m_s_s\", \"gas_of_runners_kg_per_m\"; and \"runs\", whose keys are the columns of CSV: robot, supply_pressure_gauge_pa, \
 coulomb_friction_n, spring_stiffness_n_per_m, spring_preload_n, friction_along, ending, stalled_at_m, stalled_since_s, error, drives_j, residual_j and those of a run.
 
-Keys of a robot in space: \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \"travel_m\", \"way_m\", \"place_m\", \"time_s\", \"points\", \"points_reached\", \
-\"set_out\", \"rolled_a_turn_s\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \"residual_j\", \"approximate_contacts\"; with --robots \
-\"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", and \
-\"runs\", also the columns of CSV: robot, ending, fell_s, fell_roll_rad, error and those of a run.
+Keys of a robot in space: \"command\", \"robot\", \"gait\", \"ending\" (in a word), \"seconds\", \"seed\", \"by_sensors\", \"heading_rad\", \"line_rad\", \"most_aside_m\", \
+\"travel_m\", \"time_s\", \"firings\", \"fell\" and \"left_its_plane\" (null or {\"time_s\", \"travel_m\", \"aside_m\", \"roll_rad\", \"roll_rate_rad_s\"}), \"stands_since_s\", \"work_j\", \
+\"residual_j\", \"approximate_contacts\"; of steer also \"way_m\", \"place_m\", \"points\", \"points_reached\", \"set_out\" and \"rolled_a_turn_s\"; with --robots \
+\"drawn\": {\"force_factor_standard_deviation\", \"center_of_mass_within_m\", \"friction\"}, the shares \"came_30_m_within_1_m\" and \"rolled_to_the_end\", \"not_simulated\", and \
+\"runs\", also the columns of CSV: robot, ending, error, fell_s, fell_roll_rad, firings, most_aside_m, points_reached, rolled_a_turn_s, set_out, time_s, travel_m and way_m.
 
 --robots draws around the given robot: its friction and spring at mid stroke, split anew, friction from a tenth to all of it; \
 supply with a standard deviation of 3 psi; friction along the travel from 2/3 to 4/3 of its own; friction across it is --drawn-across. The answer is the share that \
@@ -311,7 +317,7 @@ impl InPlane {
     fn run(&self, mut setup: Setup) -> Result<Status, CliError> {
         let disturb = &self.plane.disturb;
         disturb::check(disturb, &setup.robot)?;
-        self.note_what_never_comes(&setup);
+        Self::note_what_never_comes(&setup);
         setup.disturbances = disturb.iter().map(|typed| typed.disturbance).collect();
         setup.seed = self.flags.seed;
         setup.stepping = if self.plane.exact {
@@ -325,33 +331,22 @@ impl InPlane {
         self.one(&setup)
     }
 
-    /// Says what the schedules have after the end, and which speeds the robot cannot hold.
-    fn note_what_never_comes(&self, setup: &Setup) {
+    /// Says which speeds the schedule has after the end, and which are above those that the robot was measured to run at.
+    /// Below them it holds a speed as well, by later firings, and at last by standing at times: the report says how.
+    fn note_what_never_comes(setup: &Setup) {
         let seconds = setup.seconds;
-        for typed in &self.plane.disturb {
-            if let When::Time(from, _) = typed.disturbance.when
-                && from >= seconds
-            {
-                let text = &typed.text;
-                message(&format!(
-                    "--disturb {text} begins after the end of the run, {seconds} s"
-                ));
-            }
-        }
-        let slowest_and_fastest = match &setup.program {
-            Program::Curve(law) if law.len() > 1 => [law[1][0], law[law.len() - 1][0]],
-            _ => return,
+        let Program::Curve(law) = &setup.program else {
+            return;
         };
-        let [slowest, fastest] = slowest_and_fastest;
+        let fastest = law.last().map_or(0.0, |knot| knot[0]);
         for &[time, speed] in &setup.speeds {
             if time >= seconds {
                 message(&format!(
                     "--speed {time}:{speed} begins after the end of the run, {seconds} s"
                 ));
-            } else if speed != 0.0 && !(slowest..=fastest).contains(&speed.abs()) {
+            } else if speed.abs() > fastest {
                 message(&format!(
-                    "--speed {time}:{speed}: the robot runs from {} to {} m/s; it does what is nearest",
-                    digits(slowest, 4),
+                    "--speed {time}:{speed}: the robot was measured to run at {} m/s at most; it comes as near as it can",
                     digits(fastest, 4)
                 ));
             }
@@ -372,6 +367,7 @@ impl InPlane {
         self.open(&mut follower, setup)?;
         let summary =
             run(setup, &mut follower).map_err(|error| refused(error, &setup.robot, self.angles))?;
+        progress.end();
         let kept = follower.kept();
         let report = report::Report {
             run: self,
@@ -391,6 +387,7 @@ impl InPlane {
             folder.publish(&believed, [settings, manifest])?;
         }
         note_interrupt(&interrupt, summary.time);
+        report.note_unexplained();
         files.write()?;
         if interrupt.came() {
             return Ok(Status::Interrupted);
@@ -453,8 +450,12 @@ impl InPlane {
                 if let Some(stream) = rows.finish()? {
                     files.written(stream)?;
                 }
-                if report.summary.ending != Ending::Ran {
+                if report.summary.ending != Ending::Ran && !report.interrupted {
                     message(&format!("the robot {}", report.ending()));
+                }
+                let disturbed = Disturbed::of(&self.plane.disturb, &report.summary.disturbed);
+                for reason in disturbed.reasons(report.summary.time) {
+                    message(&format!("not disturbed by {reason}"));
                 }
             }
             (None, Format::Json) => files.report(self.flags.output.out(), report.json()),

@@ -2,7 +2,7 @@
 
 use saltus::gait::Ending;
 
-use super::report::Report;
+use super::report::{Disturbed, Report};
 use crate::cli::film::{About, Film};
 
 /// The page.
@@ -11,13 +11,7 @@ pub(super) fn html(report: &Report<'_>, film: Film) -> String {
         title: report.title(),
         ended: report.ending(),
         ran: report.summary.ending == Ending::Ran,
-        disturbances: report
-            .run
-            .plane
-            .disturb
-            .iter()
-            .map(|d| d.text.as_str())
-            .collect(),
+        disturbances: Disturbed::of(&report.run.plane.disturb, &report.summary.disturbed).by,
     };
     film.page(report.setup, &about)
 }

@@ -1,13 +1,19 @@
 //! What a run came to, in words and as JSON.
 
-use saltus::gait::{Ending, Setup, Summary};
+use saltus::gait::{Ending, Setup, Summary, When};
 use saltus::running::exergy_of_gas;
 use saltus::sim_check::Stepping;
 use serde_json::{Value, json};
 
 use super::InPlane;
 use super::follow::{Follower, OUT, OnTheWay};
-use crate::output::{self, digits, joined};
+use crate::cli::disturb::Typed;
+use crate::output::{self, digits, joined, measured, message};
+
+/// Part of the drives' work from which on what is unexplained is said to be: at 1 ms up to 0.3 % is usual.
+const UNSOUND: f64 = 0.02;
+/// Energy (J) that says nothing, however little the drives did.
+const ROUND_OFF: f64 = 0.5;
 
 /// A run and what it came to.
 pub(super) struct Report<'a> {
@@ -20,11 +26,6 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// 1, or −1 for a run backwards.
-    fn sign(&self) -> f64 {
-        if self.setup.forwards { 1.0 } else { -1.0 }
-    }
-
     /// The run in a line.
     pub(super) fn title(&self) -> String {
         let mut title = format!(
@@ -48,8 +49,8 @@ impl Report<'_> {
             Ending::Ran => "ran to the end of its time".into(),
             Ending::Stalled { since, at } => format!(
                 "stalled: stands still since {} s, at {} m; {}",
-                digits(since.max(0.0), 4),
-                digits(at, 4),
+                short(since.max(0.0)),
+                short(at),
                 self.reason()
             ),
         }
@@ -120,11 +121,8 @@ impl Report<'_> {
     /// How it ended and how fast it was.
     fn course(&self) -> Vec<(&'static str, String)> {
         let s = self.summary;
-        let sign = self.sign();
-        let disturbed = self.run.plane.disturb.iter();
-        let mut lines: Vec<_> = disturbed
-            .map(|typed| ("disturbed by", typed.text.clone()))
-            .collect();
+        let disturb = &self.run.plane.disturb;
+        let mut lines = Disturbed::of(disturb, &s.disturbed).lines(s.time);
         lines.push(("ending", self.ending()));
         let stalls = self.follower.stalls;
         if let (Some([time, at]), Ending::Ran) = (stalls.first, s.ending) {
@@ -137,11 +135,10 @@ impl Report<'_> {
             );
             lines.push(("stood still", words));
         }
-        let mut speeds = format!("{} m/s", short(sign * s.mean_speed));
-        if s.time > 4.0 {
-            speeds += "; over the last 4 s ";
-            speeds += &short(sign * s.last_speed);
-            speeds += " m/s";
+        let mut speeds = format!("{} m/s", short(s.mean_speed));
+        if let Some(late) = s.mean_speed_last_4_s.filter(|_| s.time > 4.0) {
+            let late = short(late);
+            speeds = format!("{speeds}; over the last 4 s {late} m/s");
         }
         lines.extend(self.follower.held.iter().filter_map(|held| {
             let mean = held.mean()?;
@@ -158,6 +155,7 @@ impl Report<'_> {
             ("travel", self.travel()),
             ("mean speed", speeds),
             ("top speed", format!("{} m/s", short(s.top_speed))),
+            ("speed at the end", format!("{} m/s", short(s.speed_at_end))),
             ("3.2 m/s", reached.unwrap_or("not reached".into())),
         ]);
         let speed = s.speed_at_1_6.map(|speed| format!("{} m/s", short(speed)));
@@ -242,9 +240,7 @@ impl Report<'_> {
             .into_iter()
             .filter(|(name, x)| *x != 0.0 || !matches!(*name, "from outside" | "lost to the air"));
         lines.extend(shown.map(|(name, x)| (name, format!("{} J", short(x)))));
-        // A robot that stands moves by round-off.
-        let [kinetic, potential, springs] =
-            self.gained().map(|x| if x.abs() < 1e-6 { 0.0 } else { x });
+        let [kinetic, potential, springs] = self.gained();
         let gained = format!(
             "{} J in motion, {} J in height, {} J in springs",
             short(kinetic),
@@ -285,6 +281,22 @@ impl Report<'_> {
         )
     }
 
+    /// Advises shorter steps where more is unexplained than is usual.
+    pub(super) fn note_unexplained(&self) {
+        let (drives, s) = (self.summary.ledger.drive, self.summary);
+        let most = UNSOUND * drives + ROUND_OFF;
+        let [bodies, gas] = [s.residual, s.gas_residual].map(f64::abs);
+        if bodies.max(gas) > most {
+            message(&format!(
+                "unexplained are {} J in bodies and {} J in gas, the drives did {} J of work: the steps are too long for \
+                 this robot; --step 0.25ms has shorter ones",
+                digits(bodies, 2),
+                digits(gas, 2),
+                digits(drives, 3)
+            ));
+        }
+    }
+
     pub(super) fn json(&self) -> String {
         output::json(&self.value())
     }
@@ -292,7 +304,6 @@ impl Report<'_> {
     pub(super) fn value(&self) -> Value {
         let s = self.summary;
         let l = &s.ledger;
-        let sign = self.sign();
         let ending = match s.ending {
             _ if self.interrupted => json!({ "how": "interrupted", "at_s": s.time }),
             Ending::Ran => json!({ "how": "ran" }),
@@ -316,8 +327,9 @@ impl Report<'_> {
             })).collect::<Vec<_>>(),
             "travel_m": s.travel,
             "way_m": s.way,
-            "mean_speed_m_s": sign * s.mean_speed,
-            "last_speed_m_s": sign * s.last_speed,
+            "mean_speed_m_s": s.mean_speed,
+            "mean_speed_last_4_s_m_s": s.mean_speed_last_4_s,
+            "speed_at_end_m_s": s.speed_at_end,
             "top_speed_m_s": s.top_speed,
             "reached_3_2_m_s_s": s.reached_3_2,
             "speed_at_1_6_s_m_s": s.speed_at_1_6,
@@ -344,14 +356,57 @@ impl Report<'_> {
                 "impacts_at_stops": l.stops, "residual": -s.residual, "gas_residual": s.gas_residual,
             },
         });
-        let head = head(self.setup, self.run);
+        let head = head(self.setup, self.run, &s.disturbed);
         joined([head, motion, energy])
     }
 }
 
+/// What disturbed a run, as it was typed, and what was to disturb it and did not.
+pub(super) struct Disturbed<'a> {
+    pub(super) by: Vec<&'a str>,
+    not_by: Vec<&'a Typed>,
+}
+
+impl<'a> Disturbed<'a> {
+    /// Of `all`, each of which was there or not.
+    pub(super) fn of(all: &'a [Typed], met: &[bool]) -> Disturbed<'a> {
+        let (by, not_by): (Vec<_>, Vec<_>) = all.iter().zip(met).partition(|(_, met)| **met);
+        Disturbed {
+            by: by.iter().map(|(typed, _)| typed.text.as_str()).collect(),
+            not_by: not_by.iter().map(|(typed, _)| *typed).collect(),
+        }
+    }
+
+    /// Why each that did not disturb a run of `time` (s) did not.
+    pub(super) fn reasons(&self, time: f64) -> impl Iterator<Item = String> {
+        self.not_by.iter().map(move |typed| {
+            let text = &typed.text;
+            match typed.disturbance.when {
+                When::Time(from, _) if from >= time => {
+                    format!("{text}: the run ends before it, at {} s", digits(time, 6))
+                }
+                When::Time(..) => format!("{text}: it is shorter than a cycle"),
+                When::Place(..) => format!("{text}: the robot does not come there"),
+            }
+        })
+    }
+
+    /// The lines of a report on a run of `time` (s).
+    pub(super) fn lines(&self, time: f64) -> Vec<(&'static str, String)> {
+        let by = self
+            .by
+            .iter()
+            .map(|text| ("disturbed by", (*text).to_owned()));
+        let not_by = self
+            .reasons(time)
+            .map(|reason| ("not disturbed by", reason));
+        by.chain(not_by).collect()
+    }
+}
+
 /// What was run, for JSON.
-pub(super) fn head(setup: &Setup, run: &InPlane) -> Value {
-    let disturbed: Vec<&str> = run.plane.disturb.iter().map(|d| d.text.as_str()).collect();
+pub(super) fn head(setup: &Setup, run: &InPlane, met: &[bool]) -> Value {
+    let disturbed = Disturbed::of(&run.plane.disturb, met);
     json!({
         "command": "run",
         "robot": setup.robot.name,
@@ -363,7 +418,8 @@ pub(super) fn head(setup: &Setup, run: &InPlane) -> Value {
         "seconds": setup.seconds,
         "step_s": step(setup.stepping),
         "seed": setup.seed,
-        "disturbances": disturbed,
+        "disturbances": disturbed.by,
+        "disturbances_not_met": disturbed.not_by.iter().map(|typed| &typed.text).collect::<Vec<_>>(),
     })
 }
 
@@ -377,7 +433,7 @@ fn step(stepping: Stepping) -> Option<f64> {
 
 /// A number for people.
 fn short(x: f64) -> String {
-    digits(x, 4)
+    measured(x, 4)
 }
 
 fn times(count: usize) -> String {

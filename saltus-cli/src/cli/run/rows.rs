@@ -117,7 +117,7 @@ impl Columns {
             "time_s,x_m,height_m,vx_m_s,vz_m_s,wheel_angle_rad,wheel_rate_rad_s,leg_in_zone,lean_rad,\
              filtered_rate_rad_s,firing_angle_rad,fired_leg,valve_open_s,stalled",
         );
-        for (name, unit) in [("extension", "m"), ("pressure", "pa")] {
+        for (name, unit) in [("extension", "m"), ("pressure", "pa"), ("valve_open", "s")] {
             for leg in 0..legs {
                 // Writing to a string does not fail.
                 let _ = write!(text, ",{name}_{leg}_{unit}");
@@ -161,14 +161,20 @@ impl Columns {
         text.push(',');
         match action.leg {
             Some(leg) => {
-                let _ = write!(text, "{leg},{}", full(action.valve_open));
+                let _ = write!(text, "{leg},");
+                if action.valve_open.is_finite() {
+                    text.push_str(&full(action.valve_open));
+                }
             }
             None => text.push(','),
         }
         let _ = write!(text, ",{}", action.stalled);
-        for x in row.extensions.iter().chain(row.pressures) {
+        let outputs = row.outputs.iter();
+        let open = outputs.map(|output| output.within(row.time, row.period));
+        let extensions = row.extensions.iter().copied();
+        for x in extensions.chain(row.pressures.iter().copied()).chain(open) {
             text.push(',');
-            text.push_str(&full(*x));
+            text.push_str(&full(x));
         }
         if self == Columns::Telemetry {
             let r = &row.readings;

@@ -74,7 +74,11 @@ pub(super) fn html(outcomes: &[Outcome], context: &Context<'_>) -> Result<String
         top_m,
     };
     let obstacles = demands.obstacles.iter().copied().map(obstacle).collect();
-    let title = format!("{} of {}", context.title, context.planner.robot().name);
+    let title = format!(
+        "{} of {}",
+        context.short_title,
+        context.planner.robot().name
+    );
     let mut scene = Scene::of(context.plant.robot(), title, obstacles, jumps);
     scene.avoid = demands
         .avoid

@@ -36,7 +36,7 @@ pub(super) fn sheet(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'
     panels.push(errors(outcomes, context));
     let title = format!(
         "{}, in the multi-body simulation of {}",
-        context.title,
+        context.short_title,
         context.plant.robot().name
     );
     Sheet {
@@ -61,7 +61,7 @@ fn course(
         .step_by(nominal.len().div_ceil(PATHS).max(1))
         .collect();
     let stages = || shown.iter().flat_map(|outcome| &outcome.trial.route.stages);
-    let tolerance = context.how.tolerance;
+    let tolerance = context.tolerance();
     let mut band = Some("band: tolerance of the landing".to_owned());
     for stage in stages().filter(|stage| stage.wanted.is_finite()) {
         let (x, y) = (stage.wanted, stage.surface.unwrap_or(0.0));
@@ -330,7 +330,7 @@ fn errors(outcomes: &[Outcome], context: &Context<'_>) -> Panel {
         all().fold(f64::NEG_INFINITY, f64::max),
     ];
     let bound = |side: f64| {
-        let points = ends.map(|x| (x, side * 1e3 * context.how.tolerance));
+        let points = ends.map(|x| (x, side * 1e3 * context.tolerance()));
         Line::new(Mark::Dashed, BLUE, points)
     };
     let line = |label: &str, points, color| Line::new(Mark::Dots, color, points).called(label);

@@ -46,9 +46,9 @@ pub(crate) struct Verify {
     #[arg(long, help_heading = "What is verified")]
     restart: bool,
 
-    /// How far (m) a landing may be from where it is wanted
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = quantity::extent, default_value = "0.05", help_heading = "What passes")]
-    tolerance: f64,
+    /// How far (m) a landing may be from where it is wanted [default: a fifth of the wheel's radius]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = quantity::extent, help_heading = "What passes")]
+    tolerance: Option<f64>,
 
     /// Least distance (m) in flight between wheel and boxes [default: clearance_m of the course; a
     /// law or a table touches no box]
@@ -103,7 +103,8 @@ A jump passes if it meets each demand:
   avoid      the landing is in no [[avoid]]
   zone       the landing is in the [[land]] zone of its jump
   goal       the last landing is from goal_from_x_m to goal_to_x_m
-  tolerance  the landing is within --tolerance of where it is wanted: the plan's landing, the table's or --distance
+  tolerance  the landing is within --tolerance of where it is wanted: the plan's landing, or target_x_m of a course \
+without a goal; the table's or --distance
   clearance  in flight wheel and fired leg (while it is out, leg_out_s) keep clearance_m, or --clearance, from boxes
   stance     until lift-off the wheel touches no box
   friction   the foot needs no more than friction_coefficient
@@ -179,7 +180,7 @@ impl Verify {
         let Some(loaded) = loaded else {
             let report = match self.common.format() {
                 Format::Csv => report::rows(&[], &robot).csv(),
-                Format::Json => report::no_plan_json(&robot, &plant),
+                Format::Json => report::no_plan_json(&robot, &plant, &self.subject.file(), &how),
                 Format::Text => report::NO_PLAN.to_owned(),
             };
             self.common.write_report(report)?;
@@ -202,6 +203,7 @@ impl Verify {
             planner,
             plant: &plant,
             title: &loaded.title,
+            short_title: self.subject.short(&loaded.title),
             subject,
             for_plant: loaded.for_plant,
             how: &how,

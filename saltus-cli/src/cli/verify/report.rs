@@ -4,14 +4,14 @@ use std::fmt::Write;
 
 use saltus::Robot;
 use saltus::verify::{
-    Demand, Failure, Flown, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict,
+    Demand, Failure, Flown, Group, Outcome, Plant, RunJump, Spread, Starts, Verdict, Verification,
 };
 use serde_json::{Value, json};
 
 use super::advice::advice;
 use super::context::Context;
 use crate::cli::common::opening;
-use crate::output::{self, Column, Table, columns, digits};
+use crate::output::{self, Column, Table, columns, digits, measured};
 
 /// A jump of a run, and the run's number from 0.
 struct Row<'a> {
@@ -111,14 +111,20 @@ impl Row<'_> {
 pub(super) const NO_PLAN: &str = "no plan crosses this course: `saltus plan` says what blocks it, \
     and the nearest that has one\n";
 
-/// The same as a document.
-pub(super) fn no_plan_json(robot: &Robot, plant: &Plant) -> String {
+/// A document with the keys of [`json`], for a course without a plan.
+pub(super) fn no_plan_json(robot: &Robot, plant: &Plant, file: &str, how: &Verification) -> String {
     output::json(&json!({
         "command": "verify",
         "robot": robot.name,
         "plant": plant.robot().name,
+        "subject": file,
+        "seed": how.seed,
+        "starts": starts(how.starts),
+        "tolerance_m": how.tolerance(plant.robot().body.radius),
+        "share": how.share,
         "passes": false,
-        "reason": NO_PLAN.trim(),
+        "failures": [],
+        "advice": [NO_PLAN.trim()],
         "groups": [],
         "rows": [],
     }))
@@ -126,14 +132,15 @@ pub(super) fn no_plan_json(robot: &Robot, plant: &Plant) -> String {
 
 /// The document.
 pub(super) fn json(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) -> String {
+    let is_course = context.subject.is_plan();
     output::json(&json!({
         "command": "verify",
         "robot": context.planner.robot().name,
         "plant": context.plant.robot().name,
         "subject": context.title,
         "seed": context.how.seed,
-        "starts": starts(context),
-        "tolerance_m": context.how.tolerance,
+        "starts": is_course.then(|| starts(context.how.starts)),
+        "tolerance_m": context.tolerance(),
         "share": context.how.share,
         "passes": verdict.passes,
         "failures": verdict.failures.iter().map(failure_json).collect::<Vec<_>>(),
@@ -184,15 +191,12 @@ fn failure_json(failure: &Failure) -> Value {
     })
 }
 
-/// How the jumps of a course start; none for what has no course.
-fn starts(context: &Context<'_>) -> Option<&'static str> {
-    context
-        .subject
-        .is_plan()
-        .then_some(match context.how.starts {
-            Starts::Chained => "where the jump before lands",
-            Starts::Planned => "at the planned footholds",
-        })
+/// How the jumps of a course start.
+fn starts(starts: Starts) -> &'static str {
+    match starts {
+        Starts::Chained => "where the jump before lands",
+        Starts::Planned => "at the planned footholds",
+    }
 }
 
 /// The jumps of a plan and of a short table are few enough to be told one by one.
@@ -206,13 +210,11 @@ pub(super) fn text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_
         context.planner.robot().name,
         context.plant.robot().name
     );
-    if let Some(starts) = starts(context).filter(|_| context.subject.jumps() > 1) {
+    let jumps = context.subject.jumps();
+    if jumps > 1 {
+        let starts = starts(context.how.starts);
         // Writing to a string does not fail.
-        let _ = writeln!(
-            text,
-            "a run is {} jumps; each starts {starts}",
-            context.subject.jumps()
-        );
+        let _ = writeln!(text, "a run is {jumps} jumps; each starts {starts}");
     }
     for errors in [false, true] {
         if let Some(group) = verdict.all(errors) {
@@ -262,7 +264,10 @@ fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) 
         let group = verdict.all(errors)?;
         let with = if errors { "with" } else { "without" };
         let needed = if errors {
-            format!(" ({} % have to)", digits(100.0 * context.how.share, 4))
+            format!(
+                " ({} % have to: --share)",
+                digits(100.0 * context.how.share, 4)
+            )
         } else {
             " (all have to)".into()
         };
@@ -281,7 +286,7 @@ fn verdict_text(outcomes: &[Outcome], verdict: &Verdict, context: &Context<'_>) 
             let _ = writeln!(text, "  → {sentence}");
         }
     }
-    let _ = writeln!(text, "  demanded: {}", demands_text(outcomes));
+    let _ = writeln!(text, "  demanded: {}", demands_text(outcomes, context));
     text
 }
 
@@ -297,8 +302,10 @@ pub(super) fn failure_text(failure: &Failure, context: &Context<'_>) -> String {
         _ => format!("jump {}, ", failure.jump + 1),
     };
     let worst = if failure.count > 1 { ", at worst" } else { "" };
+    let set_by = set_by(failure.demand);
+    let set_by = set_by.map_or_else(String::new, |name| format!(" ({name})"));
     format!(
-        "{}: {jump}{with}, {} of {}{worst}: {}",
+        "{}: {jump}{with}, {} of {}{worst}: {}{set_by}",
         failure.demand.name(),
         failure.count,
         failure.of,
@@ -306,8 +313,22 @@ pub(super) fn failure_text(failure: &Failure, context: &Context<'_>) -> String {
     )
 }
 
+/// The flag, or the key or table of the course, that sets the limit of a demand.
+fn set_by(demand: Demand) -> Option<&'static str> {
+    match demand {
+        Demand::Tolerance => Some("--tolerance"),
+        Demand::Clearance => Some("--clearance"),
+        Demand::Edge => Some("edge_margin_m"),
+        Demand::Avoid => Some("[[avoid]]"),
+        Demand::Zone => Some("[[land]]"),
+        Demand::Goal => Some("goal_from_x_m, goal_to_x_m"),
+        Demand::Friction => Some("friction_coefficient"),
+        Demand::Touchdown | Demand::Ground | Demand::Stance => None,
+    }
+}
+
 /// What the jumps have to meet.
-fn demands_text(outcomes: &[Outcome]) -> String {
+fn demands_text(outcomes: &[Outcome], context: &Context<'_>) -> String {
     let Some(Outcome { trial, .. }) = outcomes.first() else {
         return String::new();
     };
@@ -321,8 +342,12 @@ fn demands_text(outcomes: &[Outcome]) -> String {
         (true, false) => format!("from {}", metres(span.low)),
         _ => format!("up to {}", metres(span.high)),
     };
+    let by_wheel = match context.how.tolerance {
+        None => " (a fifth of the wheel's radius)",
+        Some(_) => "",
+    };
     let mut all = vec![format!(
-        "landings within {} of where they are wanted",
+        "landings within {} of where they are wanted{by_wheel}",
         metres(demands.tolerance)
     )];
     all.extend(
@@ -427,7 +452,7 @@ fn errors_text(group: &Group) -> [String; 3] {
         let all = [(of.mean, "in the mean"), (of.greatest, "at most"), last];
         let known = all
             .into_iter()
-            .filter_map(|(x, what)| Some(format!("{} m {what}", digits(x?, 3))));
+            .filter_map(|(x, what)| Some(format!("{} m {what}", measured(x?, 3))));
         let known: Vec<String> = known.collect();
         let all = if known.is_empty() {
             "–".to_owned()

@@ -15,7 +15,7 @@ use crate::cli::target::{Block, block};
 use crate::cli::terms::{TermFlags, Terms};
 use crate::error::{CliError, cut};
 use crate::input;
-use crate::output::digits;
+use crate::output::{digits, file_name};
 use crate::quantity;
 use crate::range::{Values, rates};
 
@@ -54,6 +54,22 @@ pub(crate) struct SubjectFlags {
 
     #[command(flatten)]
     pub(super) terms: TermFlags,
+}
+
+impl SubjectFlags {
+    /// The name of the file; empty without one.
+    pub(super) fn file(&self) -> String {
+        let file = self.file.as_deref().unwrap_or(Path::new(""));
+        file.display().to_string()
+    }
+
+    /// `title` with the name of the file instead of its path.
+    pub(super) fn short(&self, title: &str) -> String {
+        match &self.file {
+            Some(path) => title.replace(&path.display().to_string(), &file_name(path)),
+            None => title.into(),
+        }
+    }
 }
 
 /// What is verified.

@@ -3,7 +3,7 @@
 use saltus::gait::GaitError;
 use saltus::gait::space::{Ball, FALLS, Gait, Led, Left, Roll, Rolled, roll};
 
-use crate::output::digits;
+use crate::output::measured;
 
 /// How far (m) a drawn robot has to come along its line, and within which way (m) of it or of its path.
 pub(super) const FAR: f64 = 30.0;
@@ -163,7 +163,7 @@ impl Came {
         let [x, y, _] = self.place;
         let mut lines = vec![(
             "place at the end",
-            format!("({}, {}) m", digits(x, 4), digits(y, 4)),
+            format!("({}, {}) m", measured(x, 4), measured(y, 4)),
         )];
         if let Some(points) = self.points() {
             lines.push((
@@ -180,7 +180,7 @@ impl Came {
         if self.aim == Aim::Again {
             let time = self
                 .again
-                .map_or("never".into(), |time| format!("{} s", digits(time, 3)));
+                .map_or("never".into(), |time| format!("{} s", measured(time, 3)));
             lines.push(("first rolled a turn by", time));
         }
         lines
@@ -223,13 +223,13 @@ impl Came {
     /// What went wrong, if anything did: when, where, which way.
     pub(super) fn failure(&self) -> Option<String> {
         let [x, y, _] = self.place;
-        let here = format!("at ({}, {}) m", digits(x, 4), digits(y, 4));
-        let time = digits(self.rolled.time, 4);
+        let here = format!("at ({}, {}) m", measured(x, 4), measured(y, 4));
+        let time = measured(self.rolled.time, 4);
         match self.end() {
             End::Arrived | End::Rolled => None,
             End::Fell(fell) => Some(format!("fell: {}", leaving(&fell))),
             End::Lies => Some(format!("does not run again in {time} s: {here}")),
-            End::Stands(since) => Some(format!("stands since {} s, {here}", digits(since, 4))),
+            End::Stands(since) => Some(format!("stands since {} s, {here}", measured(since, 4))),
             End::Waits => Some(format!("did not set out in {time} s, {here}")),
             End::OnItsWay(points) => Some(format!(
                 "is on its way after {time} s, {here}: {} of {points} points reached",
@@ -243,13 +243,13 @@ impl Came {
 pub(super) fn leaving(left: &Left) -> String {
     format!(
         "at {} s and {} m, {} m to the {}; rolled by {} rad to the {}, at {} rad/s to the {}",
-        digits(left.time, 4),
-        digits(left.travel, 4),
-        digits(left.aside.abs(), 3),
+        measured(left.time, 4),
+        measured(left.travel, 4),
+        measured(left.aside.abs(), 3),
         if left.aside < 0.0 { "right" } else { "left" },
-        digits(left.roll.abs(), 3),
+        measured(left.roll.abs(), 3),
         if left.roll < 0.0 { "left" } else { "right" },
-        digits(left.roll_rate.abs(), 3),
+        measured(left.roll_rate.abs(), 3),
         if left.roll_rate < 0.0 {
             "left"
         } else {

@@ -10,7 +10,9 @@ use super::came::{Aim, Came, FAR, Outcome, WIDE, follow};
 use super::{InSpace, refused};
 use crate::cli::Status;
 use crate::error::CliError;
-use crate::output::{self, Column, Files, Format, Table, columns, digits, in_words, share};
+use crate::output::{
+    self, Column, Files, Format, Table, columns, counted, digits, in_words, measured, share,
+};
 use crate::progress::Progress;
 
 /// How soon (s) a robot that was thrown down should run again.
@@ -98,8 +100,8 @@ impl InSpace {
 
     fn shares_text(&self, setup: &Roll, aim: Aim, draw: &DrawnBalls, runs: &[Outcome]) -> String {
         let (head, count) = (self.head(&setup.robot), runs.len());
-        let s = if count == 1 { "" } else { "s" };
-        let head = format!("{head}, {count} drawn robot{s}, seed {}", self.flags.seed);
+        let drawn = counted(count, "drawn robot");
+        let head = format!("{head}, {drawn}, seed {}", self.flags.seed);
         let mut lines = Vec::new();
         let mut line = |name: &str, what: String| lines.push((name.to_owned(), what));
         let drawn = format!(
@@ -126,11 +128,11 @@ impl InSpace {
                 line("median time", format!("{time} s"));
             }
             Aim::Line | Aim::Led => {
-                let travel = digits(middle(&|came| Some(came.along)), 4);
+                let travel = measured(middle(&|came| Some(came.along)), 4);
                 line("median travel", format!("{travel} m"));
             }
         }
-        let aside = digits(middle(&|came| Some(came.aside)), 3);
+        let aside = measured(middle(&|came| Some(came.aside)), 3);
         line("median way aside", format!("{aside} m"));
         if let Some(Err(error)) = runs.iter().find(|run| run.is_err()) {
             let count = runs.iter().filter(|run| run.is_err()).count();
