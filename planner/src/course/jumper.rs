@@ -60,6 +60,13 @@ pub struct Leap {
     pub push: Push,
 }
 
+impl Leap {
+    /// Whether an edge is of the obstacle that is landed on.
+    pub fn lands_on(&self, edge: &Edge) -> bool {
+        self.on[1] == Some(edge.obstacle)
+    }
+}
+
 /// What a margin is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {

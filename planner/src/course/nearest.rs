@@ -22,6 +22,8 @@ pub struct Give {
     /// By how much (m; a friction coefficient without unit). An obstacle is lower by it; the goal moves
     /// by it, positive forward; the ground holds better by it.
     pub amount: f64,
+    /// Where the jump that it limits may land (m).
+    pub ground: Span,
 }
 
 /// What a course without a plan would have to give.
@@ -102,6 +104,29 @@ pub(super) fn nearest(
         }
     }
     (best, chosen)
+}
+
+/// What the jumps of a relief miss on the course as it is.
+pub(super) fn missed(problem: &mut Problem<'_>, relief: &Relief) -> Relief {
+    let decisions = relief.decisions.as_flattened();
+    let mut at = Evaluation::default();
+    for (jump, x) in relief.decisions.iter().enumerate() {
+        problem.keep_for(jump, *x);
+    }
+    problem.evaluate(decisions, &mut at);
+    let give = |((jump, limit), value): ((usize, Limit), &f64)| Give {
+        jump,
+        limit,
+        amount: -value,
+        ground: problem.choice.windows[jump],
+    };
+    let rows = problem.rows(decisions).into_iter().zip(&at.values);
+    let gives: Vec<Give> = rows.filter(|(_, value)| **value < 0.0).map(give).collect();
+    Relief {
+        total: gives.iter().map(|give| give.amount).sum(),
+        gives,
+        decisions: relief.decisions.clone(),
+    }
 }
 
 /// The solver's starts. The last jump lands at the target; a single one at both ends of where it may
@@ -315,17 +340,20 @@ impl<'a> Elastic<'a> {
         if report.violation > ROUND_OFF.max(settings.solver.feasibility) {
             return Relief::none();
         }
+        let ground = |jump: usize| self.problem.choice.windows[jump];
         let give = |(&row, &amount): (&usize, &f64)| {
             let forward = if row == self.rows.len() { -1.0 } else { 1.0 };
             let goal = Give {
                 jump: self.course.jumps - 1,
                 limit: Limit::Goal,
                 amount: forward * amount,
+                ground: ground(self.course.jumps - 1),
             };
             self.rows.get(row).map_or(goal, |&(jump, limit)| Give {
                 jump,
                 limit,
                 amount,
+                ground: ground(jump),
             })
         };
         let (depths, level) = (
@@ -348,6 +376,7 @@ impl<'a> Elastic<'a> {
                 jump,
                 limit,
                 amount,
+                ground: ground(jump),
             }
         };
         let sinks = self.sinking.iter().zip(depths).map(sink);

@@ -25,7 +25,7 @@ use super::choices::Place;
 use super::choices::{Choices, Prefix, roll};
 use super::envelope::CostToCome;
 use super::lattice::{self, Way};
-use super::nearest::{Relief, evenly, nearest};
+use super::nearest::{Relief, evenly, missed, nearest};
 use super::problem::{Choice, Problem};
 use super::terrain::Terrain;
 use super::{Course, CourseError, Envelope, Jumper, Leap, Push, Span, sqp};
@@ -194,7 +194,10 @@ pub fn plan_watched(
                     .map_or(best.cost, |start| start.bound.min(best.cost));
                 Answer::Plan(search.finish(best, bound, false))
             }
-            _ => search.undecided(),
+            _ => {
+                let choice = search.choices[choice].pushed(jumper, decisions);
+                Answer::Infeasible(missed(&mut search.problem(&choice), &relief))
+            }
         });
     }
     Ok(match &search.best {

@@ -231,7 +231,8 @@ fn the_program_of_a_choice_has_exact_derivatives() {
         grounds: vec![],
     };
     let thrower = Thrower { target: 3.0 };
-    let problem = Problem::new(&thrower, &course(3, 3.0), &choice, 1.0);
+    let course = course(3, 3.0);
+    let problem = Problem::new(&thrower, &course, &choice, 1.0);
     let x = [2.9, 0.8, 3.1, 0.9, 3.2, 1.0];
     let evaluate = |x: &[f64]| {
         let mut at = Evaluation::default();

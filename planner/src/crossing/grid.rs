@@ -18,7 +18,7 @@ use saltus_ballistic::Flight;
 use saltus_robot::Outcome;
 
 use super::Crossing;
-use crate::course::{Envelope, Leap, Push, Span};
+use crate::course::{Edge, Envelope, Leap, Push, Span};
 use crate::jump::Jump;
 use crate::model::JumpModel;
 use crate::planner::Planner;
@@ -86,7 +86,7 @@ pub(super) struct Wanted<'a> {
     pub(super) from_to: [f64; 2],
     /// As those of [`Within`].
     pub(super) height: f64,
-    pub(super) rim: f64,
+    pub(super) rim: [f64; 2],
     /// Greatest standard deviation (m) of the landing, and greatest friction needed.
     pub(super) most: [f64; 2],
 }
@@ -97,8 +97,8 @@ pub(super) struct Within<'a> {
     /// Height (m) of the wheel's centre above the foot at the landing.
     pub(super) height: f64,
     /// Height (m) of the wheel's centre above the foot, less an edge's top, at which its rim clears
-    /// the edge.
-    pub(super) rim: f64,
+    /// the edge; then the same of the box that it lands on, which asks for no clearance.
+    pub(super) rim: [f64; 2],
     pub(super) feet: Span,
     pub(super) landings: Span,
     pub(super) reach: Span,
@@ -397,7 +397,7 @@ impl Within<'_> {
             feet = feet.meet(clear_feet(
                 &flights,
                 edge.x,
-                edge.top + self.rim - SLACK,
+                edge.top + rim_over(self.rim, self.leap, edge) - SLACK,
                 feet.high,
             ));
         }
@@ -406,10 +406,15 @@ impl Within<'_> {
     }
 }
 
+/// The height that is meant for an edge of a leap.
+fn rim_over(rim: [f64; 2], leap: &Leap, edge: &Edge) -> f64 {
+    rim[usize::from(leap.lands_on(edge))]
+}
+
 /// Whether a flight from `foot` (m) keeps the wheel's rim clear of a leap's edges.
-fn clears(flight: &Flight<f64>, leap: &Leap, foot: f64, height: f64, rim: f64) -> bool {
-    let reach = rim + leap.from;
+fn clears(flight: &Flight<f64>, leap: &Leap, foot: f64, height: f64, rim: [f64; 2]) -> bool {
     leap.edges.iter().all(|edge| {
+        let reach = rim_over(rim, leap, edge) + leap.from;
         let corner = [edge.x - foot, edge.top - leap.from];
         let over = flight.position((corner[0] - flight.x) / flight.vx)[1];
         let Ok(landing) = flight.time_to_height(height) else {

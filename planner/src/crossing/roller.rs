@@ -11,7 +11,7 @@ use super::Crossing;
 use super::check::clearance;
 use super::grid::{APART, Grid, Wanted, Within, pushed};
 use super::stance::Path;
-use crate::course::{self, Envelope, Jumper, Leap, Limit, Margin, Push, Sketch, Slope, Span};
+use crate::course::{self, Edge, Envelope, Jumper, Leap, Limit, Margin, Push, Sketch, Slope, Span};
 use crate::flight::JumpFlight;
 use crate::jump::Jump;
 use crate::model::{JumpModel, Steered, widen};
@@ -75,20 +75,30 @@ impl<'a> Roller<'a> {
         self.planner.robot().body.radius + leap.to - leap.from
     }
 
-    /// Height (m) of the wheel's centre above the foot, less an edge's top, at which its rim clears the
-    /// edge.
-    fn rim(&self, leap: &Leap) -> f64 {
-        self.planner.robot().body.radius + self.crossing.clearance - leap.from
+    /// Clearance (m) that an edge asks for: the landing on a box is a touch.
+    fn clearance(&self, leap: &Leap, edge: &Edge) -> f64 {
+        if leap.lands_on(edge) {
+            0.0
+        } else {
+            self.crossing.clearance
+        }
+    }
+
+    /// As [`Within::rim`].
+    fn rim(&self, leap: &Leap) -> [f64; 2] {
+        let touching = self.planner.robot().body.radius - leap.from;
+        [touching + self.crossing.clearance, touching]
     }
 
     /// By how much (m) the wheel's rim is too low where its centre is over `x` (m from the
     /// foothold): a cheap stand-in for the clearance, for starting points.
-    fn shortfall(&self, leap: &Leap, x: f64, top: f64, jump: &Jump) -> f64 {
+    fn shortfall(&self, leap: &Leap, x: f64, edge: &Edge, jump: &Jump) -> f64 {
         let Some(flight) = jump.flight.as_ref().map(JumpFlight::parabola) else {
             return 1.0;
         };
         let [_, y] = flight.position(((x - flight.x) / flight.vx).max(0.0));
-        let needed = top - leap.from + self.planner.robot().body.radius + self.crossing.clearance;
+        let rim = self.planner.robot().body.radius + self.clearance(leap, edge);
+        let needed = edge.top - leap.from + rim;
         (needed - y).max(0.0)
     }
 
@@ -224,7 +234,7 @@ impl<'a> Roller<'a> {
             };
             margins.push(Margin {
                 limit,
-                value: gap - Slope::of(self.crossing.clearance),
+                value: gap - Slope::of(self.clearance(leap, edge)),
             });
         }
         for edge in &leap.beside {
@@ -371,7 +381,7 @@ impl Jumper for Roller<'_> {
         let short = |jump: &Jump| -> f64 {
             let edges = leap.edges.iter();
             edges
-                .map(|edge| self.shortfall(leap, edge.x - foot, edge.top, jump))
+                .map(|edge| self.shortfall(leap, edge.x - foot, edge, jump))
                 .sum()
         };
         let points: Vec<([f64; 2], f64, f64)> = self.grids[leap.jump]

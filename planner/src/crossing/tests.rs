@@ -7,7 +7,7 @@ use saltus_robot::Robot;
 use super::check::{box_distance, clearance};
 use super::roller::NEAR;
 use super::*;
-use crate::course::{Course, Give, Jumper, Leap, Obstacle, Side, Slope};
+use crate::course::{Course, Give, Jumper, Leap, Obstacle, Push, Side, Slope};
 
 /// The 21 cm box of thesis §5.2.3, its middle `center` (m) before the foot.
 fn box_jump(center: f64, rate: f64) -> Crossing {

@@ -1,9 +1,10 @@
 //! What keeps a course from having a plan, in words and as JSON.
 
-use saltus::planner::course::{Course, Give, Limit, Side};
+use saltus::planner::Crossing;
+use saltus::planner::course::{Course, FRICTION, Give, Limit, Obstacle, Side, Span};
 use serde_json::{Value, json};
 
-use crate::output::digits;
+use crate::output::{digits, measured};
 
 /// What a limit is about; obstacles are counted from 1, in the order of the file.
 fn name(limit: &Limit) -> String {
@@ -50,8 +51,35 @@ fn in_front_of(course: &Course, nearer: f64) -> String {
     }
 }
 
+/// The ground on which a jump may land, with what is before and behind it.
+fn ground(give: &Give, course: &Course) -> String {
+    let Span { low, high } = give.ground;
+    let beside = |is_before: bool| {
+        let off = |o: &Obstacle| {
+            let (front, back) = (o.center - 0.5 * o.width, o.center + 0.5 * o.width);
+            if is_before { low - back } else { front - high }
+        };
+        let numbered = course.obstacles.iter().enumerate();
+        let near = numbered.filter(|(_, o)| off(o) >= -1e-9);
+        near.min_by(|a, b| off(a.1).total_cmp(&off(b.1)))
+            .map(|(i, _)| i + 1)
+    };
+    let between = match [beside(true), beside(false)] {
+        [Some(a), Some(b)] => format!(", between obstacles {a} and {b}"),
+        [Some(a), None] => format!(", behind obstacle {a}"),
+        [None, Some(b)] => format!(", in front of obstacle {b}"),
+        [None, None] => String::new(),
+    };
+    let [from, to] = [low, high].map(|x| measured(x, 4));
+    format!(
+        "the ground that jump {} lands on ({from} to {to} m{between})",
+        give.jump + 1
+    )
+}
+
 /// What would have to be otherwise.
-fn otherwise(give: &Give, course: &Course) -> String {
+fn otherwise(give: &Give, crossing: &Crossing) -> String {
+    let course = &crossing.course;
     let (goal, amount) = (course.goal, digits(give.amount.abs(), 3));
     match give.limit {
         Limit::Goal if goal.width() == 0.0 => {
@@ -86,14 +114,23 @@ fn otherwise(give: &Give, course: &Course) -> String {
         ),
         Limit::Landing(Side::Front) => {
             format!(
-                "the ground that jump {} lands on would have to begin {amount} m earlier",
-                give.jump + 1
+                "{} would have to begin {amount} m earlier",
+                ground(give, course)
             )
         }
         Limit::Landing(Side::Back) => {
             format!(
-                "the ground that jump {} lands on would have to end {amount} m later",
-                give.jump + 1
+                "{} would have to end {amount} m later",
+                ground(give, course)
+            )
+        }
+        FRICTION => {
+            let friction = crossing.friction.unwrap_or(f64::NAN);
+            format!(
+                "friction_coefficient would have to be {} for jump {} (it is {})",
+                digits(friction + give.amount, 3),
+                give.jump + 1,
+                digits(friction, 3)
             )
         }
         Limit::Robot(name) => format!("jump {}: {name} by {amount}", give.jump + 1),
@@ -102,19 +139,26 @@ fn otherwise(give: &Give, course: &Course) -> String {
 
 /// The limits that would have to give; jumps are counted from 1.
 pub(super) fn json(gives: &[Give]) -> Vec<Value> {
-    let give = |give: &Give| json!({ "jump": give.jump + 1, "limit": name(&give.limit), "amount_m": give.amount });
+    let give = |give: &Give| {
+        let amount = if give.limit == FRICTION {
+            "amount"
+        } else {
+            "amount_m"
+        };
+        json!({ "jump": give.jump + 1, "limit": name(&give.limit), amount: give.amount })
+    };
     gives.iter().map(give).collect()
 }
 
 /// The same in words: what the nearest course with a plan has otherwise.
-pub(super) fn text(gives: &[Give], course: &Course) -> String {
+pub(super) fn text(gives: &[Give], crossing: &Crossing) -> String {
     match gives {
         [] => "none was found; where no jump of this robot lands on the ground that is left, \
             `saltus map` shows what it reaches"
             .into(),
         _ => gives
             .iter()
-            .map(|give| otherwise(give, course))
+            .map(|give| otherwise(give, crossing))
             .collect::<Vec<_>>()
             .join("; "),
     }

@@ -19,6 +19,9 @@ const TIMES: usize = 60;
 /// it to count as nearly possible: lengths (m) and friction coefficients.
 const CLEAR: f64 = 2e-3;
 
+/// The least that a jump of the raster has beside its limits to count as allowed: less is round-off.
+const ROOM: f64 = 1e-6;
+
 /// By how much more than the raster's best jump a plan may cost: the search's own gap, and its
 /// solver's tolerance.
 const GAP: f64 = 6e-5;
@@ -103,14 +106,12 @@ fn tried(planner: &Planner, crossing: &Crossing, launch: Launch, onto: bool) -> 
         let clearance = if onto { 0.0 } else { crossing.clearance };
         for k in 0..=400 {
             let at = flight.motion(end * f64::from(k) / 400.0)[0];
-            spare = spare.min(away(at) - clearance);
+            if !onto || at[0] < front {
+                spare = spare.min(away(at) - clearance);
+            }
         }
         for at in &traced.way {
             spare = spare.min(away(at.centre));
-        }
-        if onto {
-            spare = spare.min((landing - front).min(back - landing) - keep);
-            continue;
         }
         if onto {
             spare = spare.min((landing - front).min(back - landing) - keep);
@@ -217,7 +218,7 @@ fn judged(robot: &Robot, crossing: &Crossing) -> Result<&'static str, String> {
     let jumps = raster(&planner, crossing);
     let best = jumps
         .iter()
-        .filter(|jump| jump.spare >= 0.0)
+        .filter(|jump| jump.spare >= ROOM)
         .min_by(|a, b| a.cost.total_cmp(&b.cost));
     let surely = jumps.iter().any(|jump| jump.spare >= CLEAR);
     let nearly = jumps.iter().any(|jump| jump.spare >= -CLEAR);

@@ -168,7 +168,7 @@ impl Hold {
                 .iter()
                 .filter(|relief| !relief.gives.is_empty());
             lines.extend(blocked.map(|relief| {
-                let nearest = limits::text(&relief.gives, &crossing.course);
+                let nearest = limits::text(&relief.gives, crossing);
                 format!("with greater margins there is no plan: {nearest}")
             }));
         }
@@ -460,7 +460,7 @@ impl Report<'_> {
 
     fn infeasible_text(&self, relief: &Relief, jumps: Option<usize>) -> String {
         let course = &self.crossing.course;
-        let nearest = limits::text(&relief.gives, course);
+        let nearest = limits::text(&relief.gives, &self.crossing);
         let answer = match jumps {
             Some(more) => {
                 let few = match course.jumps {
