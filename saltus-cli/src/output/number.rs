@@ -34,9 +34,9 @@ pub(crate) fn full(x: f64) -> String {
 
 /// Size of a sum that is 0 but for round-off, where its terms are of the size 1.
 const ROUND_OFF: f64 = 1e-15;
-/// Lengths (m), angles (rad), rates, times (s), energies (J) and masses (g) below this are 0: nothing of a
-/// robot is measured as finely, and round-off leaves as much of one that stands.
-const NOTHING: f64 = 1e-6;
+/// Lengths (m), angles (rad), rates, times (s), energies (J) and masses (g) below this are 0: motions are
+/// computed to a few 1e-9.
+const NOTHING: f64 = 1e-9;
 
 /// A length, an angle, a rate, a time or the like, `x`, with `count` significant digits at most, for people.
 pub(crate) fn measured(x: f64, count: usize) -> String {
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn a_length_below_what_is_computed_is_none() {
         assert_eq!(measured(-9.131e-11, 4), "0");
-        assert_eq!(measured(-9.131e-6, 4), "-9.131e-6");
+        assert_eq!(measured(-9.131e-7, 4), "-9.131e-7");
     }
 
     proptest::proptest! {
