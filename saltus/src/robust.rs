@@ -3,7 +3,7 @@
 //! The scatter of the simulated jumps says what each demand of the course needs beside its limit,
 //! and the plan is made with that margin.
 
-use saltus_planner::course::{Relief, Watch};
+use saltus_planner::course::{FRICTION, Limit, Relief, Watch};
 use saltus_planner::{Crossing, CrossingAnswer, CrossingError, CrossingPlan};
 use saltus_robot::Robot;
 
@@ -16,6 +16,10 @@ pub(crate) const ACCURACY: f64 = 1e-9;
 /// Rounds of planning and drawing.
 const ROUNDS: usize = 12;
 
+/// Part of what a demand has beside its limit and its margin that the next round takes off the
+/// margin: another demand may need it.
+const GIVEN_BACK: f64 = 0.5;
+
 /// Margins are made a little greater than the draws ask for, so that the next round is not short by
 /// a hair.
 const GROWTH: f64 = 1.05;
@@ -23,19 +27,19 @@ const GROWTH: f64 = 1.05;
 /// What runs with errors drawn are for; each has draws of its own.
 #[derive(Clone, Copy)]
 enum Draws {
-    /// To find margins.
-    Margins,
-    /// To end the rounds.
+    /// To find margins, and to end the rounds.
     Rounds,
     /// To tell how often the plan holds: these made neither the margins nor the choice.
     Count,
 }
 
+/// Most runs that margins are found by; those that count are as many as are asked for.
+const RUNS: usize = 100;
+
 impl Draws {
     fn seed(self, seed: u64) -> u64 {
         match self {
-            Draws::Margins => seed,
-            Draws::Rounds => seed ^ 0x5eed,
+            Draws::Rounds => seed,
             Draws::Count => seed ^ 0xc0de,
         }
     }
@@ -63,6 +67,9 @@ pub struct Held {
     pub share: f64,
     /// What is missed most often in the others, if anything.
     pub missed: Option<Demand>,
+    /// The least margins that no plan was found with, each beside those of the other demands;
+    /// infinite where none was refused.
+    pub refused: Margins,
     /// Each friction coefficient asked for, and the last landing (m along the course) there without
     /// errors, if the robot gets there.
     pub grounds: Vec<(f64, Option<f64>)>,
@@ -145,9 +152,8 @@ impl Search<'_> {
     fn run(&self) -> Result<Robust, RobustError> {
         let mut margins = Margins::default();
         let mut best: Option<Held> = None;
-        // Margins with which there is a plan, and some with which there is none, with what blocks it.
-        let mut feasible = Margins::default();
-        let mut blocked: Option<(Margins, Relief)> = None;
+        let mut explored = Explored::default();
+        let mut blocked: Option<Relief> = None;
         for _ in 0..ROUNDS {
             let crossed = self.cross(margins)?;
             let plan = match &crossed.answer {
@@ -156,16 +162,19 @@ impl Search<'_> {
                     if best.is_none() {
                         return Ok(Robust::None(crossed));
                     }
-                    if let CrossingAnswer::Infeasible { relief, .. } = other {
-                        blocked = Some((margins, relief.clone()));
-                    }
-                    margins = margins.between(feasible);
+                    let relief = match other {
+                        CrossingAnswer::Infeasible { relief, .. } => Some(relief.clone()),
+                        _ => None,
+                    };
+                    margins = explored.refuse(margins, relief.as_ref());
+                    blocked = relief.or(blocked);
                     continue;
                 }
             };
-            let needed = self.needed(plan, &crossed, margins)?;
-            let (share, missed) = share(&self.runs(plan, &crossed, Draws::Rounds)?);
-            feasible = margins;
+            let outcomes = self.runs(plan, &crossed, Draws::Rounds)?;
+            let needed = self.needed(&outcomes, margins);
+            let (share, missed) = share(&outcomes);
+            explored.had = margins;
             if best.as_ref().is_none_or(|held| share > held.share) {
                 best = Some(Held {
                     crossed,
@@ -173,16 +182,18 @@ impl Search<'_> {
                     share,
                     missed,
                     grounds: Vec::new(),
+                    refused: Margins::default(),
                 });
             }
             if share >= self.aim() {
                 blocked = None;
                 break;
             }
-            // Some margins are too much: as many as can be had are all that there is.
-            margins = blocked
-                .as_ref()
-                .map_or(needed, |(refused, _)| margins.between(*refused));
+            let next = explored.allowed(needed);
+            if next.is_near(margins) {
+                break;
+            }
+            margins = next;
         }
         match best {
             Some(mut held) => {
@@ -190,6 +201,7 @@ impl Search<'_> {
                     let outcomes = self.runs(plan, &held.crossed, Draws::Count)?;
                     (held.share, held.missed) = share(&outcomes);
                     held.grounds = grounds(&outcomes);
+                    held.refused = explored.refused;
                     // Margins are no limits of the course.
                     let own = Crossing {
                         sigmas: 0.0,
@@ -197,10 +209,7 @@ impl Search<'_> {
                     };
                     held.crossed.answer = CrossingAnswer::Plan(self.plant.flown(&own, plan)?);
                 }
-                Ok(Robust::Plan {
-                    held,
-                    blocked: blocked.map(|(_, relief)| relief),
-                })
+                Ok(Robust::Plan { held, blocked })
             }
             None => Ok(Robust::None(self.cross(Margins::default())?)),
         }
@@ -251,7 +260,12 @@ impl Search<'_> {
         crossed: &Crossed,
         draws: Draws,
     ) -> Result<Vec<Outcome>, TrialError> {
+        let samples = match draws {
+            Draws::Rounds => self.how.samples.min(RUNS),
+            Draws::Count => self.how.samples,
+        };
         let how = Verification {
+            samples,
             seed: draws.seed(self.how.seed),
             ..self.how.clone()
         };
@@ -261,16 +275,11 @@ impl Search<'_> {
         Ok(how.fly(&self.ground, &trials, &|| ()))
     }
 
-    /// Margins with which the share asked for would have passed, had all else stayed.
-    fn needed(
-        &self,
-        plan: &Plan,
-        crossed: &Crossed,
-        margins: Margins,
-    ) -> Result<Margins, TrialError> {
-        let outcomes = self.runs(plan, crossed, Draws::Margins)?;
+    /// Margins with which the share asked for would have passed `outcomes`, which had `margins`, had
+    /// all else stayed: less where there was more than enough.
+    fn needed(&self, outcomes: &[Outcome], margins: Margins) -> Margins {
         let drawn: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.has_errors()).collect();
-        let short = |kinds: &dyn Fn(Demand) -> bool| {
+        let by = |had: f64, kinds: &dyn Fn(Demand) -> bool| {
             let worst = |outcome: &&Outcome| {
                 let judgements = outcome.attempts.iter().flat_map(|a| &a.judgements);
                 let of_kind = judgements.filter(|j| kinds(j.demand) && j.margin.is_finite());
@@ -284,14 +293,21 @@ impl Search<'_> {
                 .iter()
                 .zip(0_u32..)
                 .find(|(_, k)| f64::from(*k) >= may_fail.floor());
-            at.map_or(0.0, |(margin, _)| (-GROWTH * margin).max(0.0))
+            at.filter(|(spare, _)| spare.is_finite())
+                .map_or(had, |(spare, _)| {
+                    let part = if *spare < 0.0 { GROWTH } else { GIVEN_BACK };
+                    (had - part * spare).max(0.0)
+                })
         };
-        Ok(Margins {
-            clearance: margins.clearance
-                + short(&|d| matches!(d, Demand::Clearance | Demand::Stance)),
-            landing: margins.landing + short(&|d| d.is_of_landing() && d != Demand::Tolerance),
-            friction: margins.friction + short(&|d| d == Demand::Friction),
-        })
+        Margins {
+            clearance: by(margins.clearance, &|d| {
+                matches!(d, Demand::Clearance | Demand::Stance)
+            }),
+            landing: by(margins.landing, &|d| {
+                d.is_of_landing() && d != Demand::Tolerance
+            }),
+            friction: by(margins.friction, &|d| d == Demand::Friction),
+        }
     }
 }
 
@@ -324,13 +340,84 @@ fn grounds(outcomes: &[Outcome]) -> Vec<(f64, Option<f64>)> {
         .collect()
 }
 
-impl Margins {
-    /// Half way to the other.
-    fn between(self, other: Margins) -> Margins {
-        Margins {
-            clearance: f64::midpoint(self.clearance, other.clearance),
-            landing: f64::midpoint(self.landing, other.landing),
-            friction: f64::midpoint(self.friction, other.friction),
+/// Margins that were tried.
+struct Explored {
+    /// The last ones with which there was a plan.
+    had: Margins,
+    /// The least of each demand with which there was none.
+    refused: Margins,
+}
+
+impl Default for Explored {
+    fn default() -> Explored {
+        let none = f64::INFINITY;
+        Explored {
+            had: Margins::default(),
+            refused: Margins {
+                clearance: none,
+                landing: none,
+                friction: none,
+            },
         }
+    }
+}
+
+impl Explored {
+    /// Half way back to what was had, with the demands that block; with all of them where none is
+    /// named.
+    fn refuse(&mut self, margins: Margins, relief: Option<&Relief>) -> Margins {
+        let blocks = |blocks: &dyn Fn(Limit) -> bool| {
+            relief.is_some_and(|relief| relief.gives.iter().any(|give| blocks(give.limit)))
+        };
+        let named = [
+            blocks(&|limit| limit.obstacle().is_some()),
+            blocks(&|limit| matches!(limit, Limit::Landing(_) | Limit::Goal)),
+            blocks(&|limit| limit == FRICTION),
+        ];
+        let (had, mut next) = (self.had.each(), margins.each());
+        let moves = |k: usize| named[k] && next[k] > had[k];
+        let all = !(0..3).any(moves);
+        let mut refused = self.refused.each();
+        for k in 0..3 {
+            if all || (named[k] && next[k] > had[k]) {
+                if next[k] > had[k] {
+                    refused[k] = refused[k].min(next[k]);
+                }
+                next[k] = f64::midpoint(had[k], next[k]);
+            }
+        }
+        self.refused = Margins::of(refused);
+        Margins::of(next)
+    }
+
+    /// `needed`, but half way to what was refused of a demand that would need as much.
+    fn allowed(&self, needed: Margins) -> Margins {
+        let (had, refused, mut next) = (self.had.each(), self.refused.each(), needed.each());
+        for k in 0..3 {
+            if next[k] >= refused[k] {
+                next[k] = f64::midpoint(had[k], refused[k]);
+            }
+        }
+        Margins::of(next)
+    }
+}
+
+impl Margins {
+    fn each(self) -> [f64; 3] {
+        [self.clearance, self.landing, self.friction]
+    }
+
+    fn of([clearance, landing, friction]: [f64; 3]) -> Margins {
+        Margins {
+            clearance,
+            landing,
+            friction,
+        }
+    }
+
+    /// Whether each is the other's but for a tenth of a millimetre, or 1e-4.
+    fn is_near(self, other: Margins) -> bool {
+        let pairs = self.each().into_iter().zip(other.each());
+        pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-4)
     }
 }

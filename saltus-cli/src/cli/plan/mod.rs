@@ -206,6 +206,7 @@ fn held(robust: Robust, runs: &Verification, plant: &Robot) -> (Crossed, Option<
                 share: held.share,
                 runs: runs.samples,
                 margins: held.margins,
+                refused: held.refused,
                 missed: held.missed,
                 grounds: held.grounds,
                 has_errors: plant.errors != Errors::default(),

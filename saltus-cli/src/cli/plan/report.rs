@@ -80,6 +80,8 @@ pub(super) struct Hold {
     /// How many.
     pub(super) runs: usize,
     pub(super) margins: Margins,
+    /// The least that no plan was found with; infinite where none was refused.
+    pub(super) refused: Margins,
     /// What is missed most often.
     pub(super) missed: Option<Demand>,
     /// Friction coefficients of the ground, and the last landing (m) there without errors.
@@ -107,6 +109,9 @@ impl Hold {
             "clearance_margin_m": self.margins.clearance,
             "landing_margin_m": self.margins.landing,
             "friction_margin": self.margins.friction,
+            "clearance_margin_refused_m": self.refused.clearance,
+            "landing_margin_refused_m": self.refused.landing,
+            "friction_margin_refused": self.refused.friction,
             "missed_most": self.missed.map(Demand::name),
             "landings": self.grounds.iter().map(|(friction, landing)| json!({
                 "friction": friction,
@@ -161,6 +166,19 @@ impl Hold {
         }
         lines.extend(self.grounds_text());
         if !self.is_enough() {
+            let refused = [
+                (1e3 * self.refused.clearance, "mm over obstacles"),
+                (1e3 * self.refused.landing, "mm from the ends of the ground"),
+                (self.refused.friction, "of the friction coefficient"),
+            ];
+            let refused: Vec<String> = refused
+                .iter()
+                .filter(|(least, _)| least.is_finite())
+                .map(|(least, what)| format!("{} {what}", digits(*least, 3)))
+                .collect();
+            if !refused.is_empty() {
+                lines.push(format!("no plan was found with {}", refused.join(", or ")));
+            }
             let missed = self.missed.iter();
             lines.extend(missed.map(|d| format!("what is missed most often: {}", d.name())));
             let blocked = self
