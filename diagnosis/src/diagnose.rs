@@ -335,7 +335,13 @@ impl<'a> Answer<'a> {
             is_identifiable: !known.is_unlimited,
             next: None,
         };
-        let mut seen = vec![finding.best.id];
+        let of = |cause: usize| {
+            (
+                self.view.causes()[cause].id,
+                &self.view.causes()[cause].column,
+            )
+        };
+        let mut seen = vec![of(cause)];
         for (other, set) in others {
             let is_rival = set.best() > now.best() - limit;
             let is_contrary = !is_rival && data(set) > data(now) - limit;
@@ -343,7 +349,7 @@ impl<'a> Answer<'a> {
             if (!is_rival && !is_contrary) || seen.contains(&id) {
                 continue;
             }
-            seen.push(id);
+            seen.push(of(other));
             let mut candidate = self.candidate(other, set, base);
             if other >= self.view.listed() {
                 report::report(&self.wide, &mut candidate, &[], false);

@@ -392,6 +392,18 @@ mod tests {
         until + 0.5 * second / MASS * late * late
     }
 
+    /// Where it turns round within a step, friction turns round with it: else its rate would be off by
+    /// 80 µm/s from there on.
+    #[test]
+    fn dry_friction_turns_round_within_a_step() {
+        for (force, speed) in [(-2.0, 0.7), (2.4, -0.6)] {
+            let found = moved(force, speed, &[("coulomb-friction", 0, 0.9)]);
+            check(&found, 3e-6, |t| {
+                0.1 + parabolas([0.9, 0.9], force, speed, t)
+            });
+        }
+    }
+
     /// Ids of the causes that a diagnosis names for a mass with this dry friction (N), forward and back,
     /// and the values of the first.
     fn found_in_parabolas(friction: [f64; 2]) -> (Vec<&'static str>, Vec<f64>) {
