@@ -42,7 +42,21 @@ pub fn diagnose(
     let folds = folds(&view, settings);
     let causes = search.claimed();
     let causes = search.worth(&view, causes, &folds);
-    Some(Answer::new(&view, &search, settings, causes, folds)?.tell(progress))
+    let mut answer = causes;
+    loop {
+        let found = Answer::new(&view, &search, settings, answer, folds.clone())?;
+        let (fit, causes) = (found.set.fit.clone(), found.causes.clone());
+        let gone = match found.tell(progress) {
+            Ok(diagnosis) => return Some(diagnosis),
+            Err(gone) => gone,
+        };
+        let less: Vec<usize> = causes.into_iter().filter(|c| *c != gone).collect();
+        if !search.sets.contains_key(&less) {
+            let fitted = search.without(fit, gone)?;
+            search.sets.insert(less.clone(), fitted);
+        }
+        answer = less;
+    }
 }
 
 impl Search<'_> {
@@ -212,7 +226,8 @@ impl<'a> Answer<'a> {
         Some(answer)
     }
 
-    fn tell(self, progress: &dyn Fn(Stage)) -> Diagnosis {
+    /// The diagnosis; or a cause that may be none at all by its own interval, and is not to be named.
+    fn tell(self, progress: &dyn Fn(Stage)) -> Result<Diagnosis, usize> {
         let done = |k: usize| FOLLOWED + (0.95 - FOLLOWED) * k as f64 / self.causes.len() as f64;
         let kind = self.view;
         let mut findings: Vec<Finding> = self
@@ -236,6 +251,10 @@ impl<'a> Answer<'a> {
             report::report(&self.wide, &mut term, &[], false);
             term
         });
+        let named = findings.iter().map(|finding| &finding.best).chain(&term);
+        if let Some(none) = named.into_iter().find(|it| it.may_be_none(kind)) {
+            return Err(none.cause);
+        }
         progress(Stage {
             share: 0.95,
             doing: "data left out",
@@ -263,7 +282,7 @@ impl<'a> Answer<'a> {
         for (gain, channel) in gains.iter_mut().zip(self.view.channels()) {
             gain.noise = channel.noise;
         }
-        Diagnosis {
+        Ok(Diagnosis {
             sets: self.sets(),
             findings,
             common: self.common(),
@@ -275,7 +294,7 @@ impl<'a> Answer<'a> {
             before: self.before,
             after: self.after,
             fitness,
-        }
+        })
     }
 
     /// The answer without one of its causes.
