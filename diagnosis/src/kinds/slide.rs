@@ -266,7 +266,7 @@ pub(super) const SPEC: Spec = Spec {
     // A weight on a string pulls always the same.
     channels: &[calm("force_n", FORCE), lively("position_m", POSITION)],
     settings: &[optional("mass_kg", LOAD)],
-    checks: &[plausible::SLIDE],
+    checks: plausible::SLIDE,
     model: |data, _| Ok(Box::new(Slides::new(data))),
     synthesis: Synthesis {
         instruments: &[noisy("force_n", 1e-3), noisy("position_m", 2e-4)],

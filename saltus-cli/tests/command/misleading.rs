@@ -241,3 +241,44 @@ fn a_kind_that_is_none_is_named_with_the_right_one() {
         folder.write(&path, manifest);
     }
 }
+
+/// Of data of a kind, spoiled, what a diagnosis says, with the exit code and in one line.
+fn said(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> (Option<i32>, String) {
+    told(&spoiled(name, kind, spoil))
+}
+
+fn told(folder: &Folder) -> (Option<i32>, String) {
+    let run = folder.run(&["diagnose", "data"]);
+    let all = format!("{} {}", run.err, run.out);
+    (
+        run.code,
+        all.split_whitespace().collect::<Vec<_>>().join(" "),
+    )
+}
+
+/// A clock in other units makes a search long, and what it finds nonsense.
+#[test]
+fn a_clock_in_other_units_is_asked_about() {
+    for (kind, factor, unit) in [
+        ("flight", 1e3, "is it in ms?"),
+        ("flight", 60.0, "is it in frames of a camera?"),
+        ("slide", 1e3, "is it in ms?"),
+        ("pendulum", 1e3, "is it in ms?"),
+        ("machine", 1e3, "time_s in ms"),
+        ("vessel", 1e3, "time_s in ms"),
+        ("vessel", 1.0 / 60.0, "time_s in min"),
+    ] {
+        // Short enough that a run may last so long.
+        let spoil = |run: &mut Table| {
+            run.1.truncate(150);
+            run.1.iter_mut().for_each(|row| row[0] *= factor);
+        };
+        let name = format!("clock-{kind}-{factor:.0}");
+        let (code, text) = said(&name, &format!("{kind} --runs 2"), spoil);
+        assert!(code == Some(2) && text.contains(unit), "{name}: {text}");
+    }
+    // The longest run of a part that is simulated.
+    let late = |run: &mut Table| run.1.iter_mut().for_each(|row| row[0] *= 1e3);
+    let (code, text) = said("clock-long", "pendulum --runs 2", late);
+    assert!(code == Some(2) && text.contains("is it in ms?"), "{text}");
+}
