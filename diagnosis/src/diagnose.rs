@@ -363,9 +363,10 @@ impl<'a> Answer<'a> {
         let mut seen = vec![of(cause)];
         for (other, set) in others {
             let is_rival = set.best() > now.best() - limit;
-            let is_contrary = !is_rival && data(set) > data(now) - limit;
-            let id = self.view.causes()[other].id;
-            if (!is_rival && !is_contrary) || seen.contains(&id) {
+            // What is known of it is what speaks against it.
+            let is_contrary =
+                !is_rival && data(set) > data(now) - limit && set.known < now.known - limit;
+            if (!is_rival && !is_contrary) || seen.contains(&of(other)) {
                 continue;
             }
             seen.push(of(other));
@@ -378,6 +379,7 @@ impl<'a> Answer<'a> {
                     .less_likely
                     .splice(0..0, finding.rivals.drain(named..));
             } else if is_contrary {
+                report::report(&self.wide, &mut candidate, &[], false);
                 finding.contradicting.push(candidate);
             } else if finding.rivals.len() + usize::from(finding.unlisted.is_some()) < MOST_RIVALS {
                 report::report(&self.wide, &mut candidate, &[], known.is_unlimited);

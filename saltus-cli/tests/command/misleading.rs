@@ -282,3 +282,52 @@ fn a_clock_in_other_units_is_asked_about() {
     let (code, text) = said("clock-long", "pendulum --runs 2", late);
     assert!(code == Some(2) && text.contains("is it in ms?"), "{text}");
 }
+
+/// What explains data as well is named, each sensor for itself, with what is known of it.
+#[test]
+fn a_mass_and_scales_of_sensors_are_named_together() {
+    for (share, words) in [
+        (
+            "1.2",
+            [
+                "encoder-scale of force_n would explain the data as well, and is less likely by what \
+                    is known: gain would be 1.2, 4 standard deviations from 1",
+                "encoder-scale of position_m would explain the data as well, and is less likely",
+            ],
+        ),
+        (
+            "1.02",
+            [
+                "or else encoder-scale of force_n or encoder-scale of position_m",
+                "It could as well be encoder-scale of force_n gain = 1.0",
+            ],
+        ),
+    ] {
+        let hidden = format!("slide mass={share} coulomb-friction=0.8 --runs 4 --seed 3");
+        let (_, text) = said(&format!("scales-{share}"), &hidden, |_| ());
+        assert!(text.contains("Found: "), "{text}");
+        for words in words {
+            assert!(text.contains(words), "{share}: {words}: {text}");
+        }
+    }
+}
+
+/// Whatever cause an estimate is of, one that equals a slip of unit is a step to take.
+#[test]
+fn a_wrong_unit_is_the_next_step() {
+    for (kind, words) in [
+        (
+            "bench mass=load_factor:0.45359237 --runs 4",
+            "load_factor of mass is 0.453",
+        ),
+        (
+            "slide mass=0.224809 --runs 4",
+            "gain of encoder-scale of force_n is 0.2248",
+        ),
+    ] {
+        let (code, text) = said(&format!("unit-{}", &kind[..5]), kind, |_| ());
+        let step = format!("Look for a wrong unit: {words}");
+        assert!(code == Some(1) && text.contains(&step), "{text}");
+        assert!(!text.contains("Nothing needs to be corrected"), "{text}");
+    }
+}

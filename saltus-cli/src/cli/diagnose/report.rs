@@ -253,8 +253,7 @@ impl<'a> Report<'a> {
             } else {
                 ""
             };
-            let slip = self
-                .slip(candidate, k)
+            let slip = slip_of(self.found.kind.as_ref(), candidate, k)
                 .map_or(String::new(), |slip| format!("; {slip}"));
             (
                 r.name.clone(),
@@ -283,31 +282,6 @@ impl<'a> Report<'a> {
             )
         };
         candidate.reported.iter().map(said).collect()
-    }
-
-    /// What slip of unit the `k`-th reported parameter equals.
-    fn slip(&self, candidate: &Candidate, k: usize) -> Option<String> {
-        let kind = self.found.kind.as_ref();
-        let cause = &kind.causes()[candidate.cause];
-        let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
-        let believed = kind.causes()[candidate.cause].report(&neutral).get(k)?.1;
-        let Reported {
-            name, value, error, ..
-        } = &candidate.reported[k];
-        let is_gain = cause.id == "encoder-scale";
-        let unit = match name.as_str() {
-            "load_factor" | "mass_share" => "kg",
-            "supply_pressure_factor" => "Pa",
-            "gain" => unit(cause.column.as_deref().unwrap_or_default()),
-            name => unit(name),
-        };
-        slip(&Estimated {
-            unit,
-            believed,
-            value: *value,
-            error: *error,
-            is_gain,
-        })
     }
 
     /// Parameters of a finding that the data do not fix, as a sentence.
@@ -484,7 +458,11 @@ impl<'a> Report<'a> {
             all.push(into(Self::RIVALS.into()));
             all.extend(Self::less_likely(finding).map(into));
         }
-        all.extend(known::against(finding).into_iter().map(into));
+        all.extend(
+            known::against(self.found.kind.as_ref(), finding)
+                .into_iter()
+                .map(into),
+        );
         all.extend(next_of(finding).map(into));
         Block::Card(finding.best.title(), all)
     }
@@ -668,7 +646,8 @@ impl<'a> Report<'a> {
     }
 
     fn entry(&self, candidate: &Candidate) -> Map<String, Value> {
-        let cause = &self.found.kind.causes()[candidate.cause];
+        let kind = self.found.kind.as_ref();
+        let cause = &kind.causes()[candidate.cause];
         let reported = || candidate.reported.iter();
         let named = |of: &dyn Fn(usize, &Reported) -> Option<Value>| -> Map<String, Value> {
             let of = |(k, r)| Some((Reported::clone(r).name, of(k, r)?));
@@ -690,7 +669,7 @@ impl<'a> Report<'a> {
             ),
             (
                 "slips",
-                Some(named(&|k, _| Some(json!(self.slip(candidate, k)?))).into()),
+                Some(named(&|k, _| Some(json!(slip_of(kind, candidate, k)?))).into()),
             ),
             (
                 "runs_disagree",
@@ -850,6 +829,30 @@ impl<'a> Report<'a> {
         };
         Table::of(&columns, &self.found.diagnosis.gains).csv()
     }
+}
+
+/// What slip of unit the `k`-th reported parameter equals.
+pub(super) fn slip_of(kind: &dyn Kind, candidate: &Candidate, k: usize) -> Option<String> {
+    let cause = &kind.causes()[candidate.cause];
+    let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
+    let believed = cause.report(&neutral).get(k)?.1;
+    let Reported {
+        name, value, error, ..
+    } = candidate.reported.get(k)?;
+    let is_gain = cause.id == "encoder-scale";
+    let unit = match name.as_str() {
+        "load_factor" | "mass_share" => "kg",
+        "supply_pressure_factor" => "Pa",
+        "gain" => unit(cause.column.as_deref().unwrap_or_default()),
+        name => unit(name),
+    };
+    slip(&Estimated {
+        unit,
+        believed,
+        value: *value,
+        error: *error,
+        is_gain,
+    })
 }
 
 /// Mean, root mean square and correlation with the next.
