@@ -275,9 +275,15 @@ impl<'a> Answer<'a> {
             self.fitness(&self.search.sets[&Vec::new()]),
             self.fitness(self.set),
         );
-        let unknown = is_short
-            .then(|| worst(self.view, &self.after, self.unlisted()))
-            .flatten();
+        // What is unknown is what is left without the term that describes it.
+        let unknown = is_short.then(|| match has_term {
+            Some(term) => {
+                let less = self.less(*term);
+                worst(self.view, &less.fit, self.unlisted(less))
+            }
+            None => worst(self.view, &self.after, self.unlisted(self.set)),
+        });
+        let unknown = unknown.flatten();
         let mut gains = self.gains(self.scores[1].clone());
         for (gain, channel) in gains.iter_mut().zip(self.view.channels()) {
             gain.noise = channel.noise;
@@ -502,8 +508,8 @@ impl<'a> Answer<'a> {
     }
 
     /// The channel in which most is left that is not noise.
-    fn unlisted(&self) -> usize {
-        let scatter = &self.set.likely.scatter;
+    fn unlisted(&self, set: &Set) -> usize {
+        let scatter = &set.likely.scatter;
         let size = |c: &usize| {
             let Scatter { noise, amplitude } = scatter[*c];
             (noise * noise - 1.0).max(0.0)

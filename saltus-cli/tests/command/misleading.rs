@@ -283,6 +283,27 @@ fn a_clock_in_other_units_is_asked_about() {
     assert!(code == Some(2) && text.contains("is it in ms?"), "{text}");
 }
 
+/// A reading far outside, at the same row of each run, is a slip of the instrument: no noise, nothing
+/// unknown.
+#[test]
+fn outliers_are_named() {
+    for (kind, column, off) in [("pendulum", "angle_rad", 0.5), ("flight", "y_m", 1.0)] {
+        let spoil = |run: &mut Table| {
+            let k = run.0.iter().position(|name| name == column).unwrap();
+            run.1[30][k] += off;
+        };
+        let (code, text) = said(
+            &format!("outlier-{kind}"),
+            &format!("{kind} --runs 4"),
+            spoil,
+        );
+        assert_eq!(code, Some(0), "{text}");
+        let words = "but for 4 readings that are outliers. Outliers, which are alone and hardly count: \
+            run-01.csv, row 31: ";
+        assert!(text.contains(words), "{text}");
+    }
+}
+
 /// What explains data as well is named, each sensor for itself, with what is known of it.
 #[test]
 fn a_mass_and_scales_of_sensors_are_named_together() {
@@ -330,4 +351,19 @@ fn a_wrong_unit_is_the_next_step() {
         assert!(code == Some(1) && text.contains(&step), "{text}");
         assert!(!text.contains("Nothing needs to be corrected"), "{text}");
     }
+}
+
+/// What is unknown is what is left without the term that describes it.
+#[test]
+fn an_unknown_effect_is_more_than_noise() {
+    let folder = Folder::new("misleading-unknown");
+    let hidden = "acceleration across the path, c v=0.1";
+    let run = folder.run(&["inject", hidden, "--kind", "flight", "--out", "data"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = folder.run(&["diagnose", "data", "--format", "json"]);
+    let said: Value = serde_json::from_str(&run.out).unwrap();
+    let unknown = &said["causes"].as_array().unwrap()[0];
+    assert!(!unknown["term"].is_null(), "{unknown}");
+    // The noise of both columns is 5 mm.
+    assert!(unknown["rms"].as_f64().unwrap() > 0.01, "{unknown}");
 }

@@ -1,9 +1,10 @@
 //! What was found, in words and in numbers.
 
 use saltus::diagnosis::{
-    Alone, Candidate, Channel, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported,
-    Unknown, residuals,
+    Alone, Candidate, Channel, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Point,
+    Reported, Unknown, outliers, residuals,
 };
+use saltus::experiment::Folder;
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
@@ -23,6 +24,8 @@ pub(super) struct Report<'a> {
     pub(super) before: Vec<PhaseResidual>,
     /// The same by the model with all causes.
     pub(super) after: Vec<PhaseResidual>,
+    /// Readings that are slips of an instrument.
+    pub(super) outliers: Vec<Point>,
 }
 
 impl<'a> Report<'a> {
@@ -51,6 +54,7 @@ impl<'a> Report<'a> {
             found,
             before: of(&diagnosis.before, &diagnosis.fitness.0),
             after: of(&diagnosis.after, &diagnosis.fitness.1),
+            outliers: outliers(kind, &diagnosis.after, &diagnosis.fitness.1),
         }
     }
 
@@ -86,7 +90,14 @@ impl<'a> Report<'a> {
                     digits(self.excess(), 2)
                 );
             }
-            return format!("Nothing is wrong: the simulation explains the data within {within}.");
+            let but = match self.outliers.len() {
+                0 => String::new(),
+                1 => ", but for one reading that is an outlier".to_owned(),
+                count => format!(", but for {count} readings that are outliers"),
+            };
+            return format!(
+                "Nothing is wrong: the simulation explains the data within {within}{but}."
+            );
         }
         let said = |f: &Finding| {
             let (name, what) = (f.best.title(), f.best.meaning());
@@ -126,6 +137,46 @@ impl<'a> Report<'a> {
     /// Columns whose stated noise is far from what the data scatter, each in a sentence.
     pub(super) fn misstated(&self) -> Vec<String> {
         self.found.misstated.iter().map(misstated).collect()
+    }
+
+    /// Which readings are outliers, in a sentence; none where none is.
+    fn slips_of_instruments(&self) -> Option<String> {
+        /// Outliers that are named.
+        const NAMED: usize = 6;
+        let Folder {
+            experiment, rows, ..
+        } = &self.found.folder;
+        let is_whole = experiment
+            .runs
+            .iter()
+            .map(|run| run.time.len())
+            .sum::<usize>()
+            == *rows;
+        let said = |point: &Point| {
+            let column = &self.found.kind.channels()[point.channel].name;
+            let log = &self.found.kind.logs()[point.run].name;
+            let run = experiment.runs.iter().find(|run| run.name == *log);
+            let row = run.and_then(|run| run.time.iter().position(|time| *time == point.time));
+            let place = match row.filter(|_| is_whole) {
+                Some(row) => format!("row {}", row + 1),
+                None => with_unit(point.time, 4, "s"),
+            };
+            format!(
+                "{log}, {place}: {column} is {} σ off",
+                digits(point.residual, 2)
+            )
+        };
+        let named: Vec<String> = self.outliers.iter().take(NAMED).map(said).collect();
+        let more = match self.outliers.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        (!named.is_empty()).then(|| {
+            format!(
+                "Outliers, which are alone and hardly count: {}{more}.",
+                named.join("; ")
+            )
+        })
     }
 
     /// What the finding means where the data do not tell how strong it is.
@@ -387,6 +438,7 @@ impl<'a> Report<'a> {
         all.extend(words(Apart, self.estimated()));
         let unknown = self.unknown().map(|text| vec![Block::Words(In, text)]);
         all.extend(unknown.map(|words| Block::Card("unknown".into(), words)));
+        all.extend(words(Apart, self.slips_of_instruments()));
         all.extend(words(Apart, self.stopped()));
         all.extend(words(Apart, self.worth()));
         let replan = self.found.replan.iter().flat_map(Replan::lines);
