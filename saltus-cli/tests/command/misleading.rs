@@ -367,3 +367,10 @@ fn an_unknown_effect_is_more_than_noise() {
     // The noise of both columns is 5 mm.
     assert!(unknown["rms"].as_f64().unwrap() > 0.01, "{unknown}");
 }
+
+#[test]
+fn what_each_run_tells_for_itself_is_not_judged() {
+    let (code, text) = said("own-vessel", "vessel --runs 3", |_| ());
+    let words = "Estimated in each run, and so not judged: discharge_coefficient (";
+    assert!(code == Some(0) && text.contains(words), "{text}");
+}

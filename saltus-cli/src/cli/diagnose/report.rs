@@ -288,6 +288,36 @@ impl<'a> Report<'a> {
             .then(|| format!("Nobody states {all}: this is estimated from the data."))
     }
 
+    /// What is estimated in each run beside its start, as a sentence; none where there is nothing such. Nothing
+    /// that changes it alone can be a finding.
+    fn of_runs(&self) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let mut all: Vec<(String, f64, f64)> = Vec::new();
+        for (run, values) in self.found.diagnosis.after.unknowns.iter().enumerate() {
+            for (spec, value) in kind.unknowns(run).iter().zip(values) {
+                match all.iter_mut().find(|of| of.0 == spec.name) {
+                    Some((_, low, high)) => (*low, *high) = (low.min(*value), high.max(*value)),
+                    None if spec.name.contains("start") => {}
+                    None => all.push((spec.name.clone(), *value, *value)),
+                }
+            }
+        }
+        let said = |(name, low, high): &(String, f64, f64)| {
+            let [low, high] = [*low, *high].map(|end| with_unit(end, 3, unit(name)));
+            if low == high {
+                return format!("{name} ({low})");
+            }
+            format!("{name} ({low} to {high})")
+        };
+        let all: Vec<String> = all.iter().map(said).collect();
+        (!all.is_empty()).then(|| {
+            format!(
+                "Estimated in each run, and so not judged: {}.",
+                all.join(", ")
+            )
+        })
+    }
+
     /// Parameters as they are reported, where errors are known with them.
     pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
         if candidate.reported.is_empty() {
@@ -436,6 +466,7 @@ impl<'a> Report<'a> {
         let mut all: Vec<Block> = self.misstated().into_iter().map(below).collect();
         all.extend(diagnosis.findings.iter().map(|it| self.finding(it)));
         all.extend(words(Apart, self.estimated()));
+        all.extend(words(Apart, self.of_runs()));
         let unknown = self.unknown().map(|text| vec![Block::Words(In, text)]);
         all.extend(unknown.map(|words| Block::Card("unknown".into(), words)));
         all.extend(words(Apart, self.slips_of_instruments()));
