@@ -374,3 +374,26 @@ fn what_each_run_tells_for_itself_is_not_judged() {
     let words = "Estimated in each run, and so not judged: discharge_coefficient (";
     assert!(code == Some(0) && text.contains(words), "{text}");
 }
+
+/// Two runs that count the same tell it once; no robot has a term without a name.
+#[test]
+fn what_is_counted_twice_tells_it_once() {
+    let folder = Folder::new("misleading-twice");
+    folder.done("inject --kind hop --runs 3 --out data", 0);
+    let manifest = folder.read("data/experiment.toml");
+    let (_, first) = manifest.split_once("[[run]]").unwrap();
+    let own = first.split("[[run]]").next().unwrap();
+    let again = own.replace("run-01", "run-04");
+    folder.write(
+        "data/experiment.toml",
+        format!("{manifest}\n[[run]]{again}"),
+    );
+    folder.write("data/run-04.csv", folder.read("data/run-01.csv"));
+    let (_, text) = told(&folder);
+    let words = "note: run-04.csv: its contents are those of run-01.csv: it is left out";
+    assert!(text.contains(words) && text.contains("3 runs,"), "{text}");
+    let hidden = "valve that opens over a time=0.03";
+    let run = folder.run(&["inject", hidden, "--kind", "hop", "--out", "more"]);
+    assert_eq!(run.code, Some(2), "{}", run.out);
+    assert!(run.err.contains("have no such effect"), "{}", run.err);
+}
