@@ -42,7 +42,21 @@ pub fn diagnose(
     let folds = folds(&view, settings);
     let causes = search.claimed();
     let causes = search.worth(&view, causes, &folds);
-    Some(Answer::new(&view, &search, settings, causes, folds)?.tell(progress))
+    let mut answer = causes;
+    loop {
+        let found = Answer::new(&view, &search, settings, answer, folds.clone())?;
+        let (fit, causes) = (found.set.fit.clone(), found.causes.clone());
+        let gone = match found.tell(progress) {
+            Ok(diagnosis) => return Some(diagnosis),
+            Err(gone) => gone,
+        };
+        let less: Vec<usize> = causes.into_iter().filter(|c| *c != gone).collect();
+        if !search.sets.contains_key(&less) {
+            let fitted = search.without(fit, gone)?;
+            search.sets.insert(less.clone(), fitted);
+        }
+        answer = less;
+    }
 }
 
 impl Search<'_> {
@@ -212,7 +226,8 @@ impl<'a> Answer<'a> {
         Some(answer)
     }
 
-    fn tell(self, progress: &dyn Fn(Stage)) -> Diagnosis {
+    /// The diagnosis; or a cause that may be none at all by its own interval, and is not to be named.
+    fn tell(self, progress: &dyn Fn(Stage)) -> Result<Diagnosis, usize> {
         let done = |k: usize| FOLLOWED + (0.95 - FOLLOWED) * k as f64 / self.causes.len() as f64;
         let kind = self.view;
         let mut findings: Vec<Finding> = self
@@ -236,6 +251,10 @@ impl<'a> Answer<'a> {
             report::report(&self.wide, &mut term, &[], false);
             term
         });
+        let named = findings.iter().map(|finding| &finding.best).chain(&term);
+        if let Some(none) = named.into_iter().find(|it| it.may_be_none(kind)) {
+            return Err(none.cause);
+        }
         progress(Stage {
             share: 0.95,
             doing: "data left out",
@@ -256,14 +275,20 @@ impl<'a> Answer<'a> {
             self.fitness(&self.search.sets[&Vec::new()]),
             self.fitness(self.set),
         );
-        let unknown = is_short
-            .then(|| worst(self.view, &self.after, self.unlisted()))
-            .flatten();
+        // What is unknown is what is left without the term that describes it.
+        let unknown = is_short.then(|| match has_term {
+            Some(term) => {
+                let less = self.less(*term);
+                worst(self.view, &less.fit, self.unlisted(less))
+            }
+            None => worst(self.view, &self.after, self.unlisted(self.set)),
+        });
+        let unknown = unknown.flatten();
         let mut gains = self.gains(self.scores[1].clone());
         for (gain, channel) in gains.iter_mut().zip(self.view.channels()) {
             gain.noise = channel.noise;
         }
-        Diagnosis {
+        Ok(Diagnosis {
             sets: self.sets(),
             findings,
             common: self.common(),
@@ -275,7 +300,7 @@ impl<'a> Answer<'a> {
             before: self.before,
             after: self.after,
             fitness,
-        }
+        })
     }
 
     /// The answer without one of its causes.
@@ -335,15 +360,22 @@ impl<'a> Answer<'a> {
             is_identifiable: !known.is_unlimited,
             next: None,
         };
-        let mut seen = vec![finding.best.id];
+        let of = |cause: usize| {
+            (
+                self.view.causes()[cause].id,
+                &self.view.causes()[cause].column,
+            )
+        };
+        let mut seen = vec![of(cause)];
         for (other, set) in others {
             let is_rival = set.best() > now.best() - limit;
-            let is_contrary = !is_rival && data(set) > data(now) - limit;
-            let id = self.view.causes()[other].id;
-            if (!is_rival && !is_contrary) || seen.contains(&id) {
+            // What is known of it is what speaks against it.
+            let is_contrary =
+                !is_rival && data(set) > data(now) - limit && set.known < now.known - limit;
+            if (!is_rival && !is_contrary) || seen.contains(&of(other)) {
                 continue;
             }
-            seen.push(id);
+            seen.push(of(other));
             let mut candidate = self.candidate(other, set, base);
             if other >= self.view.listed() {
                 report::report(&self.wide, &mut candidate, &[], false);
@@ -353,6 +385,7 @@ impl<'a> Answer<'a> {
                     .less_likely
                     .splice(0..0, finding.rivals.drain(named..));
             } else if is_contrary {
+                report::report(&self.wide, &mut candidate, &[], false);
                 finding.contradicting.push(candidate);
             } else if finding.rivals.len() + usize::from(finding.unlisted.is_some()) < MOST_RIVALS {
                 report::report(&self.wide, &mut candidate, &[], known.is_unlimited);
@@ -475,8 +508,8 @@ impl<'a> Answer<'a> {
     }
 
     /// The channel in which most is left that is not noise.
-    fn unlisted(&self) -> usize {
-        let scatter = &self.set.likely.scatter;
+    fn unlisted(&self, set: &Set) -> usize {
+        let scatter = &set.likely.scatter;
         let size = |c: &usize| {
             let Scatter { noise, amplitude } = scatter[*c];
             (noise * noise - 1.0).max(0.0)

@@ -7,6 +7,7 @@ use crate::known::{self, Deviation};
 use crate::named::meaning_of;
 use crate::next::NextExperiment;
 use crate::profile::Interval;
+use crate::report::NORMAL;
 
 /// A cause as a candidate, fitted with those before it.
 #[derive(Clone, Debug)]
@@ -43,6 +44,23 @@ impl Candidate {
             fit,
             reported: Vec::new(),
         }
+    }
+
+    /// Whether what is reported of its one parameter allows that it is not there.
+    pub(crate) fn may_be_none(&self, kind: &dyn Kind) -> bool {
+        let spec = &kind.causes()[self.cause];
+        let ([parameter], [found]) = (&spec.parameters[..], &self.reported[..]) else {
+            return false;
+        };
+        let none = spec.report(&[parameter.neutral])[0].1;
+        let half = NORMAL * found.error;
+        let Interval { low, high } = found.interval.unwrap_or(Interval {
+            low: Some(found.value - half),
+            high: Some(found.value + half),
+        });
+        !spec.is_apart()
+            && low.is_none_or(|low| low <= none)
+            && high.is_none_or(|high| high >= none)
     }
 
     /// What the cause means, in the form that fits; of a term without a name, that it stands for something unknown.

@@ -11,7 +11,7 @@ use crate::sensor::Fault;
 
 /// Residuals beyond so many standard deviations count in proportion to their size only (Huber's
 /// loss).
-const HUBER: f64 = 3.0;
+pub(crate) const HUBER: f64 = 3.0;
 /// Most steps of a fit.
 pub(crate) const STEPS: usize = 40;
 /// Most steps of a rough fit, by derivatives from nearby.

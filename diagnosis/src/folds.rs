@@ -5,6 +5,7 @@ use crate::kind::{Kind, Log};
 use crate::settings::Settings;
 
 /// Readings that are left out together.
+#[derive(Clone)]
 pub(crate) struct Fold {
     /// Runs that are left out whole, or of which a block is.
     pub runs: Vec<usize>,

@@ -61,7 +61,7 @@ pub use policy::{POLICY, Policy};
 pub use power::{Power, Shown, power, shown, visible};
 pub use prior::{Prior, Source};
 pub use profile::Interval;
-pub use residuals::{PhaseResidual, Point, points, residuals};
+pub use residuals::{PhaseResidual, Point, outliers, points, residuals};
 pub use sensor::{Fault, Sensor};
 pub use settings::Settings;
 pub use stage::Stage;

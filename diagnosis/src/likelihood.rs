@@ -776,16 +776,17 @@ fn parts(
     Some(all)
 }
 
-/// How much each of the residuals of a series counts: one that is far outside, and alone, counts less.
-/// What several in a row agree on is no slip of the instrument.
-fn counts(residuals: &[f64], scale: f64) -> Vec<f64> {
-    let agrees = |r: f64, other: Option<&f64>| other.is_some_and(|x| x * r.signum() > scale);
+/// How much each of the residuals of a series counts: one that is far outside, and alone, counts as if it
+/// were as far as Huber's loss is quadratic, wherever it is. What neighbours agree on, within the same
+/// factor, is no slip of the instrument.
+pub(crate) fn counts(residuals: &[f64], scale: f64) -> Vec<f64> {
     let of = |(i, r): (usize, &f64)| {
         let before = i.checked_sub(1).and_then(|k| residuals.get(k));
-        if agrees(*r, before) || agrees(*r, residuals.get(i + 1)) {
+        let mut beside = before.into_iter().chain(residuals.get(i + 1));
+        if beside.any(|x| x * r.signum() * fit::HUBER > r.abs()) {
             1.0
         } else {
-            fit::weight_at(*r, scale)
+            fit::weight_at(*r, scale).powi(2)
         }
     };
     residuals.iter().enumerate().map(of).collect()

@@ -93,6 +93,10 @@ pub(crate) const PRESSURES: Units = &[
     ("psi", 6_894.757_293_168),
     ("bar", 1e5),
 ];
+/// Units of a clock.
+pub(crate) const TIMES: Units = &[("ms", 1e-3)];
+/// The same of what a camera sees.
+pub(crate) const FRAMES: Units = &[("ms", 1e-3), ("frames of a camera", 1.0 / 60.0)];
 pub(crate) const RATES: Units = &[("deg/s", DEGREE), ("rpm", 6.0 * DEGREE)];
 pub(crate) const ANGLES: Units = &[("deg", DEGREE)];
 pub(crate) const MASSES: Units = &[("g", 1e-3)];
@@ -138,6 +142,18 @@ pub(crate) const HEIGHT: Check = Check {
     strict: false,
     units: LENGTHS,
 };
+
+/// The clock of a run, by the length (s) of the run and the length that is expected.
+pub(crate) const fn clock(sizes: fn(&View<'_>) -> Option<(f64, f64)>, units: Units) -> Check {
+    Check {
+        name: "time_s",
+        sizes,
+        what: "the time that such a motion takes",
+        allowed: (0.0, 15.0),
+        strict: false,
+        units,
+    }
+}
 
 /// A size is explained by a unit in which it is the expected one within this factor.
 const NEAR: f64 = 3.0;
@@ -232,6 +248,12 @@ impl View<'_> {
     /// Time (s) from the first to the last row.
     pub(crate) fn length(&self) -> Option<f64> {
         Some(self.run.time.last()? - self.run.time.first()?).filter(|length| *length > 0.0)
+    }
+
+    /// Length (s) of a run, and what it is if accelerations that are `measured` are those that are `able` to be.
+    pub(crate) fn paced(&self, able: f64, measured: f64) -> Option<(f64, f64)> {
+        let length = self.length()?;
+        (able > 0.0).then_some((length, length * (measured / able).sqrt()))
     }
 
     /// Distance (m) of a throw at 45° with the energy of the leg and of a wheel that rolls at `rate`

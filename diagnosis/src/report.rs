@@ -16,7 +16,7 @@ use crate::tangent::Tangent;
 const UNLIMITED: f64 = 2.0;
 
 /// Half of a 95 % interval in standard deviations.
-const NORMAL: f64 = 1.96;
+pub(crate) const NORMAL: f64 = 1.96;
 
 /// What the data do not tell of a cause.
 pub(crate) struct NotTold {

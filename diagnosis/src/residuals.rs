@@ -7,6 +7,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 use crate::finding::{Fitness, Unknown};
 use crate::fit::{self, Fit, parameters_of};
 use crate::kind::Kind;
+use crate::likelihood::counts;
+use crate::policy::POLICY;
 
 /// Phase of a run whose kind has none.
 const WHOLE: &str = "all";
@@ -137,6 +139,22 @@ fn points_of(kind: &dyn Kind, model: &Fit, run: usize) -> Option<Vec<Point>> {
             .filter(|p| p.residual.is_finite())
             .collect(),
     )
+}
+
+/// Readings that are alone and farther from `model`, whose fitness is `fitness`, than noise is: they are slips
+/// of the instrument, and hardly count.
+pub fn outliers(kind: &dyn Kind, model: &Fit, fitness: &Fitness) -> Vec<Point> {
+    let mut all = points(kind, model);
+    all.sort_by_key(|point| (point.run, point.channel));
+    let mut found = Vec::new();
+    for series in all.chunk_by(|a, b| (a.run, a.channel) == (b.run, b.channel)) {
+        let noise = fitness.noise[series[0].channel];
+        let left: Vec<f64> = series.iter().map(|point| point.residual / noise).collect();
+        let counts = counts(&left, 1.0);
+        let is_out = |k: &usize| counts[*k] < 1.0 && left[*k].abs() > POLICY.contradiction;
+        found.extend((0..series.len()).filter(is_out).map(|k| series[k]));
+    }
+    found
 }
 
 /// Residuals of `model`, whose fitness is `fitness`, by channel and phase; `conditions` are the

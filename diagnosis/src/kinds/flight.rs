@@ -6,7 +6,7 @@ use crate::fit::{self, Fit};
 use crate::kind::Proposal;
 use crate::kind::{Asked, Cause, Channel, Data, Kind, Log, Parameter, Reading, Terms};
 use crate::layout::{Draw, Layout, count};
-use crate::plausible::{Check, JUMPS, LENGTHS};
+use crate::plausible::{Check, FRAMES, JUMPS, LENGTHS, clock};
 use crate::prior::Prior;
 use crate::spec::{
     DIAMETER, LOAD, PART, PLACE, RADIUS, Source, Spec, Synthesis, calm, lively, noisy, optional,
@@ -494,7 +494,6 @@ pub(super) const SPEC: Spec = Spec {
         optional("boom_radius_m", RADIUS),
     ],
     least: 5,
-    longest: 1000.0,
     checks: &[
         Check {
             name: "y_m",
@@ -504,6 +503,15 @@ pub(super) const SPEC: Spec = Spec {
             strict: false,
             units: LENGTHS,
         },
+        clock(
+            |view| {
+                let fall = view.fall("y_m")?;
+                // A straight line tells no clock.
+                let bent = 0.125 * fall * view.length()?.powi(2) > 0.1 * view.span("y_m")?;
+                view.paced(9.806_65, fall).filter(|_| bent)
+            },
+            FRAMES,
+        ),
         Check {
             name: "x_m",
             sizes: |view| Some((view.span("x_m")? / view.length()?, 5.0)),

@@ -177,7 +177,7 @@ impl Motions {
         let driven: Vec<f64> = (0..drives.len()).map(most).collect();
         let sizes = Sizes::of(first, &driven);
         let likely = start::likely(&mechanisms, &runs, logs, &inputs, &starts, &sizes);
-        let step = plant::longest_step(&mechanisms, &starts, &runs, (&likely, logs));
+        let step = plant::longest_step(&mechanisms, &starts, &runs, (&likely, logs))?;
         let all = causes::of(first, &sizes, channels, &likely);
         data.common = all.common.len();
         let listed = all.common.into_iter().chain(all.named).collect();

@@ -200,19 +200,36 @@ fn unknown(name: &str, neutral: f64, bounds: (f64, f64), scale: f64) -> Paramete
 }
 
 /// The rate after a step of h (s) of what has this inertia (kg or kg m²): the middle of the step
-/// gives the force or torque `push`, and dry friction takes the rate that remains and no more.
-/// `brakes` are the coefficients of dry and viscous friction and of drag.
+/// gives the force or torque `push`. `brakes` are the coefficients of dry and viscous friction and of drag.
+/// Dry friction changes its sign in the step in which the rate does, when the rate is 0, or holds it there:
+/// a friction of one sign over that step would leave an error of the rate for the rest of the run.
 fn braked(rate: f64, push: f64, [dry, viscous, drag]: [f64; 3], inertia: f64, h: f64) -> f64 {
-    // What brakes in proportion to the rate does so without end, and never turns it round.
-    let brake = h * (viscous + drag * rate.abs()) / inertia;
-    let left = (-brake).exp();
-    let mean = if brake > 1e-6 {
-        (1.0 - left) / brake
-    } else {
-        1.0
+    // What brakes in proportion to the rate, by its size at the start (1/s).
+    let fading = (viscous + drag * rate.abs()) / inertia;
+    // ∫ e^(-fading t) over t.
+    let mean = |t: f64| {
+        if fading * t > 1e-6 {
+            -(-fading * t).exp_m1() / fading
+        } else {
+            t
+        }
     };
-    let free = left * rate + mean * h * push / inertia;
-    free.signum() * (free.abs() - h * dry / inertia).max(0.0)
+    let from_rest = |t: f64| push.signum() * (push.abs() - dry).max(0.0) / inertia * mean(t);
+    if rate == 0.0 {
+        return from_rest(h);
+    }
+    let gain = (push - rate.signum() * dry) / inertia;
+    let next = rate * (1.0 - fading * mean(h)) + gain * mean(h);
+    if next * rate > 0.0 {
+        return next;
+    }
+    // e^(-fading t) where rate is 0.
+    let until = if fading * rate.abs() > 1e-6 * gain.abs() {
+        (-fading * rate / gain).ln_1p().abs() / fading
+    } else {
+        -rate / gain
+    };
+    from_rest((h - until).max(0.0))
 }
 
 /// Any number.

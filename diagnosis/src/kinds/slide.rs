@@ -266,7 +266,7 @@ pub(super) const SPEC: Spec = Spec {
     // A weight on a string pulls always the same.
     channels: &[calm("force_n", FORCE), lively("position_m", POSITION)],
     settings: &[optional("mass_kg", LOAD)],
-    checks: &[plausible::SLIDE],
+    checks: plausible::SLIDE,
     model: |data, _| Ok(Box::new(Slides::new(data))),
     synthesis: Synthesis {
         instruments: &[noisy("force_n", 1e-3), noisy("position_m", 2e-4)],
@@ -390,6 +390,18 @@ mod tests {
         let (early, late) = (t.min(stop), (t - stop).max(0.0));
         let until = speed * early + 0.5 * first * early * early;
         until + 0.5 * second / MASS * late * late
+    }
+
+    /// Where it turns round within a step, friction turns round with it: else its rate would be off by
+    /// 80 µm/s from there on.
+    #[test]
+    fn dry_friction_turns_round_within_a_step() {
+        for (force, speed) in [(-2.0, 0.7), (2.4, -0.6)] {
+            let found = moved(force, speed, &[("coulomb-friction", 0, 0.9)]);
+            check(&found, 3e-6, |t| {
+                0.1 + parabolas([0.9, 0.9], force, speed, t)
+            });
+        }
     }
 
     /// Ids of the causes that a diagnosis names for a mass with this dry friction (N), forward and back,

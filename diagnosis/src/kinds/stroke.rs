@@ -244,6 +244,8 @@ pub(super) const SPEC: Spec = Spec {
         lively("force_n", FORCE),
     ],
     settings: &[required("bore_m", BORE)],
+    // Nothing is simulated.
+    longest: f64::INFINITY,
     checks: &[
         Check {
             name: "position_m",

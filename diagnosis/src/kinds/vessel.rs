@@ -677,6 +677,8 @@ pub(super) const SPEC: Spec = Spec {
     ],
     instants: &[RELEASE],
     least: 5,
+    // It may leak for days.
+    longest: f64::INFINITY,
     checks: &[
         Check {
             name: "pressure_pa",
@@ -703,6 +705,8 @@ pub(super) const SPEC: Spec = Spec {
                 ("cm3", 1e-6),
                 ("inch3", 1.638_706_4e-5),
                 ("ft3", 0.028_316_846_592),
+                ("m3, and time_s in min", 1.0 / 60.0),
+                ("m3, and time_s in ms", 1e3),
                 ("m3, and orifice_diameter_m in mm", 1e6),
                 ("m3, and orifice_diameter_m in cm", 1e4),
                 ("m3, and orifice_diameter_m in inch", 1_550.003_100_006_2),

@@ -2,7 +2,7 @@
 
 use saltus_numeric::statistics::quantile;
 
-use super::{Check, DEGREE, LENGTHS, Units, View, slope_and_bend};
+use super::{Check, DEGREE, LENGTHS, TIMES, Units, View, clock, slope_and_bend};
 use crate::mechanism::{Mechanism, Shows};
 
 const GRAVITY: f64 = 9.806_65;
@@ -10,15 +10,28 @@ const GRAVITY: f64 = 9.806_65;
 /// short one as fast.
 const DOUBTED: f64 = 0.5;
 
-/// The way of a mass on a guide.
-pub(crate) const SLIDE: Check = Check {
-    name: "position_m",
-    sizes: driven,
-    what: "half the way of a free mass under the measured force",
-    allowed: (0.0, 3.0),
-    strict: false,
-    units: LENGTHS,
-};
+/// The numbers of a mass on a guide.
+pub(crate) const SLIDE: &[Check] = &[
+    Check {
+        name: "position_m",
+        sizes: |view| {
+            let way = driven(view)?;
+            // What of it is doubted: forces that nobody measured.
+            (way.own > 3.0 * way.most).then_some((way.own, 0.5 * way.free))
+        },
+        what: "half the way of a free mass under the measured force",
+        allowed: (0.0, 3.0),
+        strict: false,
+        units: LENGTHS,
+    },
+    clock(
+        |view| {
+            let way = driven(view)?;
+            view.paced(way.free, way.span)
+        },
+        TIMES,
+    ),
+];
 
 /// The numbers of a pendulum.
 pub(crate) const PENDULUM: &[Check] = &[
@@ -35,7 +48,7 @@ pub(crate) const PENDULUM: &[Check] = &[
         name: "centre_from_axle_m",
         sizes: |view| {
             let length = view.setting("centre_from_axle_m")?;
-            let [able, measured] = pendulum(view, length)?;
+            let [able, measured] = pendulum(view)?;
             (length > DOUBTED).then_some((length, length * able / measured))
         },
         what: "the length at which gravity and the torque move it as fast as measured",
@@ -47,7 +60,7 @@ pub(crate) const PENDULUM: &[Check] = &[
         name: "inertia_about_centre_kg_m2",
         sizes: |view| {
             let inertia = view.setting("inertia_about_centre_kg_m2")?;
-            let [able, measured] = pendulum(view, view.setting("centre_from_axle_m")?)?;
+            let [able, measured] = pendulum(view)?;
             Some((inertia, inertia * able / measured))
         },
         what: "the inertia at which gravity and the torque move it as fast as measured",
@@ -60,6 +73,13 @@ pub(crate) const PENDULUM: &[Check] = &[
             ("g cm2", 1e-7),
         ],
     },
+    clock(
+        |view| {
+            let [able, measured] = pendulum(view)?;
+            view.paced(able, measured)
+        },
+        TIMES,
+    ),
 ];
 
 /// The angles of a machine, and the lengths of its links.
@@ -76,9 +96,10 @@ pub(crate) const LINKS: Check = Check {
         Some((acceleration(view, view.name)?, able(view, machine, link)?))
     },
     what: "the acceleration (rad/s²) that gravity, springs and drives give such links",
-    allowed: (0.0, 15.0),
+    allowed: (1e-5, 15.0),
     strict: false,
     units: &[
+        ("rad, and time_s in ms", 1e6),
         ("deg", DEGREE),
         ("rad, and the lengths of links in mm", 1e-3),
         ("rad, and the lengths of links in cm", 1e-2),
@@ -142,22 +163,28 @@ pub(crate) const FORCES_AND_BORES: Units = &[
     ("N, and bore_m in mm", 1e6),
 ];
 
-/// The way (m) of a mass beyond what its first speed makes, and half that of a free mass under the
-/// measured force, as friction leaves; none where force, weight and first speed can do it.
-///
-/// Springs that hold the mass, friction and drag only take from the work of the force: no mass is
-/// faster than ∫|F| dt/m.
-fn driven(view: &View<'_>) -> Option<(f64, f64)> {
+/// Ways (m) of a mass.
+struct Way {
+    /// From its least to its greatest place.
+    span: f64,
+    /// The same beyond what its first speed makes.
+    own: f64,
+    /// That of a free mass under the measured force.
+    free: f64,
+    /// The farthest that force, weight and first speed can push it: springs that hold the mass, friction and
+    /// drag only take from the work of the force, and no mass is faster than ∫|F| dt/m.
+    most: f64,
+}
+
+fn driven(view: &View<'_>) -> Option<Way> {
     /// Part of the rows that tell the first speed.
     const FIRST: usize = 20;
-    /// What of it is doubted: forces that nobody measured.
-    const FAR: f64 = 3.0;
     let mass = view.setting("mass_kg")?;
     let (time, forces) = (&view.run.time, view.column("force_n")?);
     let position = view.column("position_m")?;
     let first = (time.len() / FIRST).max(3).min(time.len());
     let [speed, _] = slope_and_bend(&time[..first], &position[..first])?;
-    let way = view.span("position_m")? - speed.abs() * view.length()?;
+    let span = view.span("position_m")?;
     let ([mut free, mut most], [mut at, mut bound]) = ([0.0; 2], [0.0; 2]);
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     for (times, force) in time.windows(2).zip(forces) {
@@ -169,7 +196,12 @@ fn driven(view: &View<'_>) -> Option<(f64, f64)> {
         bound += step * most;
         (low, high) = (low.min(at), high.max(at));
     }
-    (way > FAR * bound).then_some((way, 0.5 * (high - low)))
+    Some(Way {
+        span,
+        own: span - speed.abs() * view.length()?,
+        free: high - low,
+        most: bound,
+    })
 }
 
 /// Half the span (rad) of an angle that goes to and fro about its middle.
@@ -217,7 +249,8 @@ fn size([x, y]: [f64; 2]) -> f64 {
 
 /// Acceleration (rad/s²) that gravity and the torque give a pendulum of this length (m), and the
 /// measured one.
-fn pendulum(view: &View<'_>, length: f64) -> Option<[f64; 2]> {
+fn pendulum(view: &View<'_>) -> Option<[f64; 2]> {
+    let length = view.setting("centre_from_axle_m")?;
     let mass = view.setting("mass_kg")?;
     let inertia = view.setting("inertia_about_centre_kg_m2").unwrap_or(0.0);
     let lifted = (0.5 * view.span("angle_rad")?).min(1.0);

@@ -241,3 +241,159 @@ fn a_kind_that_is_none_is_named_with_the_right_one() {
         folder.write(&path, manifest);
     }
 }
+
+/// Of data of a kind, spoiled, what a diagnosis says, with the exit code and in one line.
+fn said(name: &str, kind: &str, spoil: impl Fn(&mut Table)) -> (Option<i32>, String) {
+    told(&spoiled(name, kind, spoil))
+}
+
+fn told(folder: &Folder) -> (Option<i32>, String) {
+    let run = folder.run(&["diagnose", "data"]);
+    let all = format!("{} {}", run.err, run.out);
+    (
+        run.code,
+        all.split_whitespace().collect::<Vec<_>>().join(" "),
+    )
+}
+
+/// A clock in other units makes a search long, and what it finds nonsense.
+#[test]
+fn a_clock_in_other_units_is_asked_about() {
+    for (kind, factor, unit) in [
+        ("flight", 1e3, "is it in ms?"),
+        ("flight", 60.0, "is it in frames of a camera?"),
+        ("slide", 1e3, "is it in ms?"),
+        ("pendulum", 1e3, "is it in ms?"),
+        ("machine", 1e3, "time_s in ms"),
+        ("vessel", 1e3, "time_s in ms"),
+        ("vessel", 1.0 / 60.0, "time_s in min"),
+    ] {
+        // Short enough that a run may last so long.
+        let spoil = |run: &mut Table| {
+            run.1.truncate(150);
+            run.1.iter_mut().for_each(|row| row[0] *= factor);
+        };
+        let name = format!("clock-{kind}-{factor:.0}");
+        let (code, text) = said(&name, &format!("{kind} --runs 2"), spoil);
+        assert!(code == Some(2) && text.contains(unit), "{name}: {text}");
+    }
+    // The longest run of a part that is simulated.
+    let late = |run: &mut Table| run.1.iter_mut().for_each(|row| row[0] *= 1e3);
+    let (code, text) = said("clock-long", "pendulum --runs 2", late);
+    assert!(code == Some(2) && text.contains("is it in ms?"), "{text}");
+}
+
+/// A reading far outside, at the same row of each run, is a slip of the instrument: no noise, nothing
+/// unknown.
+#[test]
+fn outliers_are_named() {
+    for (kind, column, off) in [("pendulum", "angle_rad", 0.5), ("flight", "y_m", 1.0)] {
+        let spoil = |run: &mut Table| {
+            let k = run.0.iter().position(|name| name == column).unwrap();
+            run.1[30][k] += off;
+        };
+        let (code, text) = said(
+            &format!("outlier-{kind}"),
+            &format!("{kind} --runs 4"),
+            spoil,
+        );
+        assert_eq!(code, Some(0), "{text}");
+        let words = "but for 4 readings that are outliers. Outliers, which are alone and hardly count: \
+            run-01.csv, row 31: ";
+        assert!(text.contains(words), "{text}");
+    }
+}
+
+/// What explains data as well is named, each sensor for itself, with what is known of it.
+#[test]
+fn a_mass_and_scales_of_sensors_are_named_together() {
+    for (share, words) in [
+        (
+            "1.2",
+            [
+                "encoder-scale of force_n would explain the data as well, and is less likely by what \
+                    is known: gain would be 1.2, 4 standard deviations from 1",
+                "encoder-scale of position_m would explain the data as well, and is less likely",
+            ],
+        ),
+        (
+            "1.02",
+            [
+                "or else encoder-scale of force_n or encoder-scale of position_m",
+                "It could as well be encoder-scale of force_n gain = 1.0",
+            ],
+        ),
+    ] {
+        let hidden = format!("slide mass={share} coulomb-friction=0.8 --runs 4 --seed 3");
+        let (_, text) = said(&format!("scales-{share}"), &hidden, |_| ());
+        assert!(text.contains("Found: "), "{text}");
+        for words in words {
+            assert!(text.contains(words), "{share}: {words}: {text}");
+        }
+    }
+}
+
+/// Whatever cause an estimate is of, one that equals a slip of unit is a step to take.
+#[test]
+fn a_wrong_unit_is_the_next_step() {
+    for (kind, words) in [
+        (
+            "bench mass=load_factor:0.45359237 --runs 4",
+            "load_factor of mass is 0.453",
+        ),
+        (
+            "slide mass=0.224809 --runs 4",
+            "gain of encoder-scale of force_n is 0.2248",
+        ),
+    ] {
+        let (code, text) = said(&format!("unit-{}", &kind[..5]), kind, |_| ());
+        let step = format!("Look for a wrong unit: {words}");
+        assert!(code == Some(1) && text.contains(&step), "{text}");
+        assert!(!text.contains("Nothing needs to be corrected"), "{text}");
+    }
+}
+
+/// What is unknown is what is left without the term that describes it.
+#[test]
+fn an_unknown_effect_is_more_than_noise() {
+    let folder = Folder::new("misleading-unknown");
+    let hidden = "acceleration across the path, c v=0.1";
+    let run = folder.run(&["inject", hidden, "--kind", "flight", "--out", "data"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = folder.run(&["diagnose", "data", "--format", "json"]);
+    let said: Value = serde_json::from_str(&run.out).unwrap();
+    let unknown = &said["causes"].as_array().unwrap()[0];
+    assert!(!unknown["term"].is_null(), "{unknown}");
+    // The noise of both columns is 5 mm.
+    assert!(unknown["rms"].as_f64().unwrap() > 0.01, "{unknown}");
+}
+
+#[test]
+fn what_each_run_tells_for_itself_is_not_judged() {
+    let (code, text) = said("own-vessel", "vessel --runs 3", |_| ());
+    let words = "Estimated in each run, and so not judged: discharge_coefficient (";
+    assert!(code == Some(0) && text.contains(words), "{text}");
+}
+
+/// Two runs that count the same tell it once; no robot has a term without a name.
+#[test]
+fn what_is_counted_twice_tells_it_once() {
+    let folder = Folder::new("misleading-twice");
+    folder.done("inject --kind hop --runs 3 --out data", 0);
+    let manifest = folder.read("data/experiment.toml");
+    let (_, first) = manifest.split_once("[[run]]").unwrap();
+    let own = first.split("[[run]]").next().unwrap();
+    let again = own.replace("run-01", "run-04");
+    folder.write(
+        "data/experiment.toml",
+        format!("{manifest}\n[[run]]{again}"),
+    );
+    folder.write("data/run-04.csv", folder.read("data/run-01.csv"));
+    let (_, text) = told(&folder);
+    let words = "note: run-04.csv: its contents are those of run-01.csv: it is left out";
+    assert!(text.contains(words) && text.contains("3 runs,"), "{text}");
+    let hidden = "valve that opens over a time=0.03";
+    let run = folder.run(&["inject", hidden, "--kind", "hop", "--out", "more"]);
+    assert_eq!(run.code, Some(2), "{}", run.out);
+    assert!(run.err.contains("have no such effect"), "{}", run.err);
+}

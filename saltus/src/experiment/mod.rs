@@ -149,17 +149,19 @@ fn as_it_says(folder: &Path, bytes: &[u8], progress: &dyn Fn(usize)) -> Result<F
     let mut hashes = BTreeMap::new();
     let mut readings: Vec<Reading> = Vec::new();
     for listed in &manifest.runs {
-        let mut reading = run::read(folder, listed, &manifest, most, progress)?;
+        let reading = run::read(folder, listed, &manifest, most, progress)?;
         same_columns(folder, readings.first(), &reading)?;
         if let Some(other) = hashes.insert(reading.hash, listed.file.clone()) {
             let reason = format!("its contents are those of {}", one_line(&other));
-            // Two runs without noise may read the same in counts.
+            // Two runs without noise may read the same in counts, which tell it once.
             let has_steps = |column: &&'static str| manifest.resolution.contains_key(*column);
-            if reading.columns.iter().all(has_steps) {
-                reading
+            if let Some(before) = readings.last_mut()
+                && reading.columns.iter().all(has_steps)
+            {
+                let file = one_line(&listed.file);
+                before
                     .notes
-                    .push(format!("{}: {reason}", one_line(&listed.file)));
-                readings.push(reading);
+                    .push(format!("{file}: {reason}: it is left out"));
                 continue;
             }
             return Err(Error::Duplicate {

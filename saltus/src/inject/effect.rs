@@ -1,9 +1,11 @@
 //! Effects as a user asks for them, and as the model of a kind takes them.
 
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
-use saltus_diagnosis::Kind;
+use saltus_diagnosis::spec::Source;
+use saltus_diagnosis::{Kind, Sort};
 
 use super::Error;
 
@@ -86,8 +88,20 @@ fn short(x: f64) -> String {
     }
 }
 
-/// Every cause of a kind, one a line.
-pub(super) fn known(kind: &dyn Kind) -> String {
+/// The causes that can be hidden in data of a kind. Terms without a name are known to its own model alone:
+/// no robot has them.
+fn hidden(kind: &dyn Kind, sort: Sort) -> Range<usize> {
+    let is_own = matches!(sort.spec().synthesis.source, Source::Model);
+    let end = if is_own {
+        kind.causes().len()
+    } else {
+        kind.listed()
+    };
+    kind.common()..end
+}
+
+/// Every cause that can be hidden in data of a kind, one a line.
+pub(super) fn known(kind: &dyn Kind, sort: Sort) -> String {
     let line = |cause: usize| {
         let parameters = parameters(kind, cause);
         let names: Vec<&str> = parameters.iter().map(|p| p.0.as_str()).collect();
@@ -113,7 +127,7 @@ pub(super) fn known(kind: &dyn Kind) -> String {
     let is_first = |cause: &usize| {
         !(kind.common()..*cause).any(|other| asked_by(kind, other) == asked_by(kind, *cause))
     };
-    (kind.common()..kind.causes().len())
+    hidden(kind, sort)
         .filter(is_first)
         .map(line)
         .collect::<Vec<_>>()
@@ -124,7 +138,7 @@ pub(super) fn known(kind: &dyn Kind) -> String {
 pub(super) fn resolve(
     kind: &dyn Kind,
     asked: &Effect,
-    of: &'static str,
+    sort: Sort,
     known: impl FnOnce() -> String,
 ) -> Result<(usize, Vec<f64>), Error> {
     let is_meant = |cause: &usize| {
@@ -137,10 +151,10 @@ pub(super) fn resolve(
         };
         spec.id == asked.id && is_named
     };
-    let Some(cause) = (kind.common()..kind.causes().len()).find(is_meant) else {
+    let Some(cause) = hidden(kind, sort).find(is_meant) else {
         return Err(Error::Cause {
             effect: asked.to_string(),
-            kind: of,
+            kind: sort.spec().id,
             known: known(),
         });
     };
@@ -193,7 +207,6 @@ pub(super) fn resolve(
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use saltus_diagnosis::Sort;
     use saltus_diagnosis::kinds;
 
     use super::*;

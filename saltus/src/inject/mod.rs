@@ -167,6 +167,7 @@ pub fn known(kind: Sort, robot: Option<&Robot>) -> Result<String, Error> {
     }
     Ok(effect::known(
         kinds::build(&layout.experiment, robot)?.as_ref(),
+        kind,
     ))
 }
 
@@ -197,7 +198,7 @@ pub fn make(request: &Request<'_>) -> Result<Made, Error> {
     let mut truth: Vec<Truth> = Vec::new();
     for asked in effects {
         let known = || known(kind, robot).unwrap_or_default();
-        let (cause, values) = effect::resolve(model.as_ref(), asked, kind.spec().id, known)?;
+        let (cause, values) = effect::resolve(model.as_ref(), asked, kind, known)?;
         for (p, value) in values.iter().enumerate() {
             terms.set(cause, p, *value);
         }
@@ -251,7 +252,7 @@ pub(crate) fn effect_of(
     robot: Option<&Robot>,
 ) -> Result<(usize, Vec<f64>), Error> {
     let known = || known(sort, robot).unwrap_or_default();
-    effect::resolve(kind, asked, sort.spec().id, known)
+    effect::resolve(kind, asked, sort, known)
 }
 
 /// Fills the measured columns of every run with what the model says.

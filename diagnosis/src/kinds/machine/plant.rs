@@ -424,12 +424,17 @@ pub(super) fn check(mechanism: &Mechanism) -> Result<(), Problem> {
 
 /// Longest step (s) for every run, by how fast the machine swings where it hangs and where its runs
 /// start.
+///
+/// # Errors
+/// [`Problem`] where the longest run takes so many of them that no search ends.
 pub(super) fn longest_step(
     mechanisms: &[Mechanism],
     starts: &[Start],
     runs: &[Piece],
     (likely, logs): (&Likely, &[Log]),
-) -> f64 {
+) -> Result<f64, Problem> {
+    /// Most steps of a run: 0.2 s.
+    const MOST: f64 = 2e5;
     let ends = |log: &Log| Some(log.readings.last()?.time - log.readings.first()?.time);
     let longest = logs.iter().filter_map(ends).fold(0.0, f64::max);
     let fastest = |which: usize, q: &[f64]| {
@@ -454,5 +459,13 @@ pub(super) fn longest_step(
     let fastest = rates.fold(0.0, f64::max);
     let turn = (fastest * longest).clamp(1.0, FORGOTTEN);
     let step = (24.0 * PHASE / turn).sqrt() / fastest.max(1e-9);
-    step.clamp(STEPS.1, STEPS.0)
+    let step = step.clamp(STEPS.1, STEPS.0);
+    if longest > MOST * step {
+        let what = format!(
+            "a run lasts {longest:.0} s, and this machine swings so fast that it is computed in steps of \
+             {step:.0e} s, {MOST:e} of them at most: is time_s in ms?"
+        );
+        return Err(Problem::NoMachine { what });
+    }
+    Ok(step)
 }

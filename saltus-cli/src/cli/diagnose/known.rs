@@ -1,23 +1,30 @@
 //! What is known apart from the data, in words.
 
-use saltus::diagnosis::{Candidate, Deviation, Finding, POLICY, Source};
+use saltus::diagnosis::{Candidate, Deviation, Finding, Kind, POLICY, Source};
 use serde_json::{Value, json};
 
+use super::report::slip_of;
 use crate::output::{digits, unit, with_unit};
 
 /// What is known against a finding and its rivals, a sentence for each.
-pub(super) fn against(finding: &Finding) -> Vec<String> {
+pub(super) fn against(kind: &dyn Kind, finding: &Finding) -> Vec<String> {
     let of_best = far(&finding.best).map(|said| format!("It contradicts what is known: {said}."));
     let rivals = finding.rivals.iter().filter_map(|rival| {
         let said = far(rival)?;
         Some(format!("So does {}: {said}.", rival.title()))
     });
-    let others = finding.contradicting.iter().map(|other| {
-        format!(
-            "{} would explain the data as well, and contradicts what is known: {}.",
+    let others = finding.contradicting.iter().filter_map(|other| {
+        let (verb, said) = match far(other) {
+            Some(said) => ("contradicts", said),
+            None => ("is less likely by", farthest(other)?),
+        };
+        let slips = (0..other.reported.len()).filter_map(|k| slip_of(kind, other, k));
+        let said: Vec<String> = std::iter::once(said).chain(slips).collect();
+        Some(format!(
+            "{} would explain the data as well, and {verb} what is known: {}.",
             other.title(),
-            far(other).unwrap_or_default()
-        )
+            said.join("; ")
+        ))
     });
     of_best.into_iter().chain(rivals).chain(others).collect()
 }
@@ -27,6 +34,13 @@ pub(super) fn far(candidate: &Candidate) -> Option<String> {
     let far = |d: &&Deviation| d.size() > POLICY.contradiction;
     let said: Vec<String> = candidate.deviations.iter().filter(far).map(said).collect();
     (!said.is_empty()).then(|| said.join("; "))
+}
+
+/// What is farthest from what is known.
+fn farthest(candidate: &Candidate) -> Option<String> {
+    let all = candidate.deviations.iter();
+    let farthest = all.max_by(|a, b| a.size().total_cmp(&b.size()));
+    farthest.map(said)
 }
 
 fn said(deviation: &Deviation) -> String {

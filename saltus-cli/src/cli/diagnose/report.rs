@@ -1,9 +1,10 @@
 //! What was found, in words and in numbers.
 
 use saltus::diagnosis::{
-    Alone, Candidate, Channel, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Reported,
-    Unknown, residuals,
+    Alone, Candidate, Channel, Diagnosis, Finding, Gain, Kind, Misstated, PhaseResidual, Point,
+    Reported, Unknown, outliers, residuals,
 };
+use saltus::experiment::Folder;
 use saltus::study::Worth;
 use serde_json::{Map, Value, json};
 
@@ -24,6 +25,8 @@ pub(super) struct Report<'a> {
     pub(super) before: Vec<PhaseResidual>,
     /// The same by the model with all causes.
     pub(super) after: Vec<PhaseResidual>,
+    /// Readings that are slips of an instrument.
+    pub(super) outliers: Vec<Point>,
 }
 
 impl<'a> Report<'a> {
@@ -52,6 +55,7 @@ impl<'a> Report<'a> {
             found,
             before: of(&diagnosis.before, &diagnosis.fitness.0),
             after: of(&diagnosis.after, &diagnosis.fitness.1),
+            outliers: outliers(kind, &diagnosis.after, &diagnosis.fitness.1),
         }
     }
 
@@ -87,7 +91,14 @@ impl<'a> Report<'a> {
                     digits(self.excess(), 2)
                 );
             }
-            return format!("Nothing is wrong: the simulation explains the data within {within}.");
+            let but = match self.outliers.len() {
+                0 => String::new(),
+                1 => ", but for one reading that is an outlier".to_owned(),
+                count => format!(", but for {count} readings that are outliers"),
+            };
+            return format!(
+                "Nothing is wrong: the simulation explains the data within {within}{but}."
+            );
         }
         let said = |f: &Finding| {
             let (name, what) = (f.best.title(), f.best.meaning());
@@ -127,6 +138,46 @@ impl<'a> Report<'a> {
     /// Columns whose stated noise is far from what the data scatter, each in a sentence.
     pub(super) fn misstated(&self) -> Vec<String> {
         self.found.misstated.iter().map(misstated).collect()
+    }
+
+    /// Which readings are outliers, in a sentence; none where none is.
+    fn slips_of_instruments(&self) -> Option<String> {
+        /// Outliers that are named.
+        const NAMED: usize = 6;
+        let Folder {
+            experiment, rows, ..
+        } = &self.found.folder;
+        let is_whole = experiment
+            .runs
+            .iter()
+            .map(|run| run.time.len())
+            .sum::<usize>()
+            == *rows;
+        let said = |point: &Point| {
+            let column = &self.found.kind.channels()[point.channel].name;
+            let log = &self.found.kind.logs()[point.run].name;
+            let run = experiment.runs.iter().find(|run| run.name == *log);
+            let row = run.and_then(|run| run.time.iter().position(|time| *time == point.time));
+            let place = match row.filter(|_| is_whole) {
+                Some(row) => format!("row {}", row + 1),
+                None => with_unit(point.time, 4, "s"),
+            };
+            format!(
+                "{log}, {place}: {column} is {} σ off",
+                digits(point.residual, 2)
+            )
+        };
+        let named: Vec<String> = self.outliers.iter().take(NAMED).map(said).collect();
+        let more = match self.outliers.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        (!named.is_empty()).then(|| {
+            format!(
+                "Outliers, which are alone and hardly count: {}{more}.",
+                named.join("; ")
+            )
+        })
     }
 
     /// What the finding means where the data do not tell how strong it is.
@@ -238,6 +289,36 @@ impl<'a> Report<'a> {
             .then(|| format!("Nobody states {all}: this is estimated from the data."))
     }
 
+    /// What is estimated in each run beside its start, as a sentence; none where there is nothing such. Nothing
+    /// that changes it alone can be a finding.
+    fn of_runs(&self) -> Option<String> {
+        let kind = self.found.kind.as_ref();
+        let mut all: Vec<(String, f64, f64)> = Vec::new();
+        for (run, values) in self.found.diagnosis.after.unknowns.iter().enumerate() {
+            for (spec, value) in kind.unknowns(run).iter().zip(values) {
+                match all.iter_mut().find(|of| of.0 == spec.name) {
+                    Some((_, low, high)) => (*low, *high) = (low.min(*value), high.max(*value)),
+                    None if spec.name.contains("start") => {}
+                    None => all.push((spec.name.clone(), *value, *value)),
+                }
+            }
+        }
+        let said = |(name, low, high): &(String, f64, f64)| {
+            let [low, high] = [*low, *high].map(|end| with_unit(end, 3, unit(name)));
+            if low == high {
+                return format!("{name} ({low})");
+            }
+            format!("{name} ({low} to {high})")
+        };
+        let all: Vec<String> = all.iter().map(said).collect();
+        (!all.is_empty()).then(|| {
+            format!(
+                "Estimated in each run, and so not judged: {}.",
+                all.join(", ")
+            )
+        })
+    }
+
     /// Parameters as they are reported, where errors are known with them.
     pub(super) fn parameters(&self, candidate: &Candidate) -> Vec<(String, String)> {
         if candidate.reported.is_empty() {
@@ -254,8 +335,7 @@ impl<'a> Report<'a> {
             } else {
                 ""
             };
-            let slip = self
-                .slip(candidate, k)
+            let slip = slip_of(self.found.kind.as_ref(), candidate, k)
                 .map_or(String::new(), |slip| format!("; {slip}"));
             (
                 r.name.clone(),
@@ -284,31 +364,6 @@ impl<'a> Report<'a> {
             )
         };
         candidate.reported.iter().map(said).collect()
-    }
-
-    /// What slip of unit the `k`-th reported parameter equals.
-    fn slip(&self, candidate: &Candidate, k: usize) -> Option<String> {
-        let kind = self.found.kind.as_ref();
-        let cause = &kind.causes()[candidate.cause];
-        let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
-        let believed = kind.causes()[candidate.cause].report(&neutral).get(k)?.1;
-        let Reported {
-            name, value, error, ..
-        } = &candidate.reported[k];
-        let is_gain = cause.id == "encoder-scale";
-        let unit = match name.as_str() {
-            "load_factor" | "mass_share" => "kg",
-            "supply_pressure_factor" => "Pa",
-            "gain" => unit(cause.column.as_deref().unwrap_or_default()),
-            name => unit(name),
-        };
-        slip(&Estimated {
-            unit,
-            believed,
-            value: *value,
-            error: *error,
-            is_gain,
-        })
     }
 
     /// Parameters of a finding that the data do not fix, as a sentence.
@@ -412,8 +467,10 @@ impl<'a> Report<'a> {
         let mut all: Vec<Block> = self.misstated().into_iter().map(below).collect();
         all.extend(diagnosis.findings.iter().map(|it| self.finding(it)));
         all.extend(words(Apart, self.estimated()));
+        all.extend(words(Apart, self.of_runs()));
         let unknown = self.unknown().map(|text| vec![Block::Words(In, text)]);
         all.extend(unknown.map(|words| Block::Card("unknown".into(), words)));
+        all.extend(words(Apart, self.slips_of_instruments()));
         all.extend(words(Apart, self.stopped()));
         all.extend(words(Apart, self.worth()));
         let replan = self.found.replan.iter().flat_map(Replan::lines);
@@ -485,7 +542,11 @@ impl<'a> Report<'a> {
             all.push(into(Self::RIVALS.into()));
             all.extend(Self::less_likely(finding).map(into));
         }
-        all.extend(known::against(finding).into_iter().map(into));
+        all.extend(
+            known::against(self.found.kind.as_ref(), finding)
+                .into_iter()
+                .map(into),
+        );
         all.extend(next_of(finding).map(into));
         Block::Card(finding.best.title(), all)
     }
@@ -670,7 +731,8 @@ impl<'a> Report<'a> {
     }
 
     fn entry(&self, candidate: &Candidate) -> Map<String, Value> {
-        let cause = &self.found.kind.causes()[candidate.cause];
+        let kind = self.found.kind.as_ref();
+        let cause = &kind.causes()[candidate.cause];
         let reported = || candidate.reported.iter();
         let named = |of: &dyn Fn(usize, &Reported) -> Option<Value>| -> Map<String, Value> {
             let of = |(k, r)| Some((Reported::clone(r).name, of(k, r)?));
@@ -692,7 +754,7 @@ impl<'a> Report<'a> {
             ),
             (
                 "slips",
-                Some(named(&|k, _| Some(json!(self.slip(candidate, k)?))).into()),
+                Some(named(&|k, _| Some(json!(slip_of(kind, candidate, k)?))).into()),
             ),
             (
                 "runs_disagree",
@@ -852,6 +914,30 @@ impl<'a> Report<'a> {
         };
         Table::of(&columns, &self.found.diagnosis.gains).csv()
     }
+}
+
+/// What slip of unit the `k`-th reported parameter equals.
+pub(super) fn slip_of(kind: &dyn Kind, candidate: &Candidate, k: usize) -> Option<String> {
+    let cause = &kind.causes()[candidate.cause];
+    let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
+    let believed = cause.report(&neutral).get(k)?.1;
+    let Reported {
+        name, value, error, ..
+    } = candidate.reported.get(k)?;
+    let is_gain = cause.id == "encoder-scale";
+    let unit = match name.as_str() {
+        "load_factor" | "mass_share" => "kg",
+        "supply_pressure_factor" => "Pa",
+        "gain" => unit(cause.column.as_deref().unwrap_or_default()),
+        name => unit(name),
+    };
+    slip(&Estimated {
+        unit,
+        believed,
+        value: *value,
+        error: *error,
+        is_gain,
+    })
 }
 
 /// Mean, root mean square and correlation with the next.

@@ -7,6 +7,7 @@ use saltus::diagnosis::{Candidate, Finding, Reported};
 use saltus::robot::Term;
 use serde_json::{Value, json};
 
+use super::report::slip_of;
 use super::words::estimate;
 use super::{Diagnose, Found};
 use crate::cli::common::left_out_words;
@@ -87,6 +88,7 @@ pub(super) fn steps(found: &Found<'_>) -> Vec<Step> {
         )));
     }
     for finding in &found.diagnosis.findings {
+        all.extend(wrong_units(found, finding));
         all.extend(tell_apart(found, finding));
         all.extend(correct_sensor(found, finding));
     }
@@ -99,15 +101,34 @@ pub(super) fn steps(found: &Found<'_>) -> Vec<Step> {
     if all.is_empty() {
         let is_sound = found.diagnosis.findings.is_empty();
         all.push(Step::new(match &found.robot {
-            Some(_) => "Nothing needs to be corrected: plan with this robot.",
+            Some(_) if is_sound => "Nothing needs to be corrected: plan with this robot.",
             None if is_sound => "Nothing needs to be corrected.",
-            None => {
+            _ => {
                 "Compute with these numbers in place of what was believed. Measure new runs: what \
                  was found should be found again, as large."
             }
         }));
     }
     all
+}
+
+/// What equals a slip of unit, of a finding or of what explains the data as well.
+fn wrong_units(found: &Found<'_>, finding: &Finding) -> Vec<Step> {
+    let all = std::iter::once(&finding.best).chain(&finding.rivals);
+    let of = |candidate: &Candidate| {
+        let of = |(k, r): (usize, &Reported)| {
+            let slip = slip_of(found.kind.as_ref(), candidate, k)?;
+            let (title, value) = (candidate.title(), digits(r.value, 5));
+            let what = format!(
+                "Look for a wrong unit: {} of {title} is {value}, and {slip}.",
+                r.name
+            );
+            Some(Step::new(what))
+        };
+        let reported = candidate.reported.iter().enumerate();
+        reported.filter_map(of).collect::<Vec<_>>()
+    };
+    all.chain(&finding.contradicting).flat_map(of).collect()
 }
 
 /// What to measure where rivals are left.
