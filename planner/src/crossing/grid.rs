@@ -344,7 +344,9 @@ impl Reached {
         reached
     }
 
-    /// The part of the distances that `distance` (m) is in.
+    /// The part of the distances that `distance` (m) is in: from 0 to the last, as a cast of what is
+    /// less, or no number, gives 0.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn bin(&self, distance: f64) -> usize {
         let share = (distance - self.span.low) / self.span.width();
         ((share * BINS as f64) as usize).min(BINS - 1)

@@ -393,17 +393,13 @@ impl Jumper for Roller<'_> {
                 && w[0].2 + w[1].2 <= 0.0
                 && w[0].1 != w[1].1
         });
-        match free {
-            Some(&[a, b]) => {
-                let part = (wanted - a.1) / (b.1 - a.1);
-                [0, 1].map(|i| a.0[i] + part * (b.0[i] - a.0[i]))
-            }
-            _ => {
-                let miss = |p: &([f64; 2], f64, f64)| (p.1 - wanted).abs() + 10.0 * p.2;
-                let nearest = points.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
-                nearest.map_or([0.0, self.crossing.valve_open.high], |p| p.0)
-            }
+        if let Some(&[a, b]) = free {
+            let part = (wanted - a.1) / (b.1 - a.1);
+            return [0, 1].map(|i| a.0[i] + part * (b.0[i] - a.0[i]));
         }
+        let miss = |p: &([f64; 2], f64, f64)| (p.1 - wanted).abs() + 10.0 * p.2;
+        let nearest = points.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
+        nearest.map_or([0.0, self.crossing.valve_open.high], |p| p.0)
     }
 
     fn envelope(&self, leap: &Leap, feet: Span, landings: Span, reach: Span) -> Option<Envelope> {

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -196,7 +197,7 @@ fn case() -> impl Strategy<Value = (Robot, Crossing)> {
     );
     (robot, course).prop_map(
         |(robot, (rate, height, (front, width), goal, friction, clearance))| {
-            let obstacles = (height > 0.0).then(|| Obstacle {
+            let obstacles = (height > 0.0).then_some(Obstacle {
                 center: front + 0.5 * width,
                 width,
                 height,
@@ -260,7 +261,8 @@ fn judged(robot: &Robot, crossing: &Crossing) -> Result<&'static str, String> {
         }
         (CrossingAnswer::Infeasible { .. }, _) => Ok("infeasible"),
         (CrossingAnswer::Undecided { nodes, solves }, best) => Err(format!(
-            "undecided after {nodes} nodes, {solves} solves: {best:?}"
+            "undecided after {nodes} nodes, {solves} solves: {:?}",
+            best.map(Tried::text)
         )),
     }
 }
@@ -306,11 +308,8 @@ fn known(name: &str, robot: &str) -> (Crossing, Planner) {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/reference/courses");
     let course = saltus::course::load(format!("{folder}/{name}/course.toml")).expect("a course");
     let file = format!("{folder}/{name}/{robot}");
-    let robot = if robot.ends_with(".toml") {
-        &file
-    } else {
-        robot
-    };
+    let own = Path::new(&file).exists();
+    let robot = if own { &file } else { robot };
     let robot = saltus::resolve(robot, &[]).expect("a robot");
     (course, Planner::new(robot))
 }

@@ -478,7 +478,7 @@ impl Report<'_> {
 
     fn infeasible_text(&self, relief: &Relief, jumps: Option<usize>) -> String {
         let course = &self.crossing.course;
-        let nearest = limits::text(&relief.gives, &self.crossing);
+        let nearest = limits::text(&relief.gives, self.crossing);
         let answer = match jumps {
             Some(more) => {
                 let few = match course.jumps {
