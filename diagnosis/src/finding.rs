@@ -6,8 +6,7 @@ use crate::kind::{Kind, Terms};
 use crate::known::{self, Deviation};
 use crate::named::meaning_of;
 use crate::next::NextExperiment;
-use crate::profile::Interval;
-use crate::report::NORMAL;
+use crate::profile::{Interval, NORMAL};
 
 /// A cause as a candidate, fitted with those before it.
 #[derive(Clone, Debug)]

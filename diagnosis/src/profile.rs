@@ -16,6 +16,9 @@ pub struct Interval {
     pub high: Option<f64>,
 }
 
+/// Half of a 95 % interval in standard deviations.
+pub(crate) const NORMAL: f64 = 1.96;
+
 /// By how much the loss rises to the end of an interval: χ² of one parameter that is exceeded in 5
 /// % of cases.
 const LEVEL: f64 = 3.841_458_8;

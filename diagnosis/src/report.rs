@@ -9,14 +9,11 @@ use crate::finding::{Candidate, Reported};
 use crate::fit::{self, parameters_of};
 use crate::identifiability::LEAST;
 use crate::kind::{Cause, Kind, Parameter, Terms};
-use crate::profile::{Interval, Profile};
+use crate::profile::{Interval, NORMAL, Profile};
 use crate::tangent::Tangent;
 
 /// A parameter is unlimited if its bound is farther than so many times the least that explains the data.
 const UNLIMITED: f64 = 2.0;
-
-/// Half of a 95 % interval in standard deviations.
-pub(crate) const NORMAL: f64 = 1.96;
 
 /// What the data do not tell of a cause.
 pub(crate) struct NotTold {

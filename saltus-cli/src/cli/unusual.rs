@@ -147,7 +147,7 @@ mod tests {
             for arg in all {
                 let names = arg.get_value_names().into_iter().flatten();
                 let name = names
-                    .map(|name| name.as_str())
+                    .map(clap::builder::Str::as_str)
                     .collect::<Vec<_>>()
                     .join(" ");
                 found.push((arg.get_id().as_str().replace('_', "-"), name));

@@ -58,7 +58,7 @@ const SPOILED: &[(&str, &str, &str, &str, &str)] = &[
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9", "DATA/a.csv: 3 rows \
         from valid_from_s to valid_to_s: a run of kind flight needs 5 at least"),
     ("flight", "experiment.toml", "mass_kg = 0.05", "valid_from_s = 0.9\nvalid_to_s = 0.2", "DATA/experiment.toml:5: run 1.valid_to_s = 0.2: must be a time from -1e14 to 1e14 s, after valid_from_s = 0.9"),
-    ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key run 1.valid_from_s; the nearest known key is run 1.columns"),
+    ("outcomes", "experiment.toml", "file = \"a.csv\"\n", "file = \"a.csv\"\nvalid_from_s = 1\n", "DATA/experiment.toml:5: unknown key run 1.valid_from_s; the keys allowed there are columns, file"),
     ("bench", "a.csv", "time_s", "time_h", "DATA/a.csv:1: unknown column time_h; the nearest \
         known column is time_s"),
     ("bench", "a.csv", "pressure_pa", "presure_pa", "DATA/a.csv:1: unknown column presure_pa; the \
