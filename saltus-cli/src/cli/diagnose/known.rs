@@ -3,7 +3,7 @@
 use saltus::diagnosis::{Candidate, Deviation, Finding, Kind, POLICY, Source};
 use serde_json::{Value, json};
 
-use super::report::slip_of;
+use super::words::slip_of;
 use crate::output::{digits, unit, with_unit};
 
 /// What is known against a finding and its rivals, a sentence for each.

@@ -12,11 +12,10 @@ use super::blocks::{self, Block, Charts, Lead};
 use super::known;
 use super::replan::Replan;
 use super::steps::{Step, left_out, newly_left_out, steps};
-use super::words::{estimate, interval, misstated};
+use super::words::{estimate, interval, misstated, slip_of};
 use super::{Found, MOST};
 use crate::cli::common::left_out_words;
 use crate::output::{Column, Table, cells, columns, digits, joined, split, unit, with_unit};
-use crate::slip::{Estimated, slip};
 
 /// What is reported of a diagnosis.
 pub(super) struct Report<'a> {
@@ -914,30 +913,6 @@ impl<'a> Report<'a> {
         };
         Table::of(&columns, &self.found.diagnosis.gains).csv()
     }
-}
-
-/// What slip of unit the `k`-th reported parameter equals.
-pub(super) fn slip_of(kind: &dyn Kind, candidate: &Candidate, k: usize) -> Option<String> {
-    let cause = &kind.causes()[candidate.cause];
-    let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
-    let believed = cause.report(&neutral).get(k)?.1;
-    let Reported {
-        name, value, error, ..
-    } = candidate.reported.get(k)?;
-    let is_gain = cause.id == "encoder-scale";
-    let unit = match name.as_str() {
-        "load_factor" | "mass_share" => "kg",
-        "supply_pressure_factor" => "Pa",
-        "gain" => unit(cause.column.as_deref().unwrap_or_default()),
-        name => unit(name),
-    };
-    slip(&Estimated {
-        unit,
-        believed,
-        value: *value,
-        error: *error,
-        is_gain,
-    })
 }
 
 /// Mean, root mean square and correlation with the next.

@@ -7,8 +7,7 @@ use saltus::diagnosis::{Candidate, Finding, Reported};
 use saltus::robot::Term;
 use serde_json::{Value, json};
 
-use super::report::slip_of;
-use super::words::estimate;
+use super::words::{estimate, slip_of};
 use super::{Diagnose, Found};
 use crate::cli::common::left_out_words;
 use crate::cli::moved::quoted;

@@ -1,8 +1,9 @@
 //! Causes and quantities in words.
 
-use saltus::diagnosis::{Interval, Misstated};
+use saltus::diagnosis::{Candidate, Interval, Kind, Misstated, Reported};
 
-use crate::output::{digits, split, with_unit};
+use crate::output::{digits, split, unit, with_unit};
+use crate::slip::{Estimated, slip};
 
 /// A stated noise that is far from what the data scatter, in a sentence.
 pub(in crate::cli) fn misstated(wrong: &Misstated) -> String {
@@ -65,6 +66,30 @@ pub(super) fn interval(interval: Interval, error: f64, unit: &str) -> String {
         (None, Some(high)) => format!("at most {high}{unit}"),
         (None, None) => "not bounded by these data".into(),
     }
+}
+
+/// What slip of unit the `k`-th reported parameter equals.
+pub(super) fn slip_of(kind: &dyn Kind, candidate: &Candidate, k: usize) -> Option<String> {
+    let cause = &kind.causes()[candidate.cause];
+    let neutral: Vec<f64> = cause.parameters.iter().map(|p| p.neutral).collect();
+    let believed = cause.report(&neutral).get(k)?.1;
+    let Reported {
+        name, value, error, ..
+    } = candidate.reported.get(k)?;
+    let is_gain = cause.id == "encoder-scale";
+    let unit = match name.as_str() {
+        "load_factor" | "mass_share" => "kg",
+        "supply_pressure_factor" => "Pa",
+        "gain" => unit(cause.column.as_deref().unwrap_or_default()),
+        name => unit(name),
+    };
+    slip(&Estimated {
+        unit,
+        believed,
+        value: *value,
+        error: *error,
+        is_gain,
+    })
 }
 
 #[cfg(test)]
