@@ -99,8 +99,9 @@ turn. With one coefficient the plan is made for that ground, with several for th
 says where it lands on each. margin_sigmas counts no more: the simulated scatter says what clearance_m, edge_margin_m and \
 friction_coefficient need beside their limits. Draws that made neither margins nor choice then tell how \
 often the plan holds; it is enough if that is at most two binomial standard deviations below the share. \
-Where the share cannot be had, the answer is the plan that holds most often, and what blocks greater \
-margins. A foot may slip where --friction lets it; with friction_coefficient in the course no stance may need more.
+Each demand has a margin of its own: of the demands that block a plan the margin is halved back, and a \
+margin that is more than enough gives way to the others. Where the share cannot be had, the answer is the plan \
+that holds most often, the least margins that no plan was found with, and what blocks greater ones. A foot may slip where --friction lets it; with friction_coefficient in the course no stance may need more.
 
 CSV columns, one row for each jump: jump, omega_rad_s, phi0_rad, alpha_f_rad, valve_open_s, foot_x_m, \
 foot_y_m, apex_m (above the ground), land_x_m, land_y_m (surface), land_sd_m (standard deviation from the \
@@ -111,13 +112,14 @@ JSON: {\"command\": \"plan\", \"robot\": NAME, \"course\": FILE, \"status\": \
 holds-in-the-planar-model, fails-in-the-planar-model (with --plant: holds-on-the-plant, fails-on-the-plant), misses-the-target, infeasible or undecided, \"cost\": …, \"bound\" (no plan \
 costs less), \"complete\" (whether the search ran to its end), \"interrupted\", \"obstacles\": [{\"front_x_m\", \"width_m\", \"height_m\"}], \"jumps\": [{the columns}], \"checks\": [{\"jump\", \"what\", \
 \"value\", \"least\", \"greatest\" (null: no limit), \"holds\"}], \"nearest\": [{\"jump\", \"limit\", \
-\"amount_m\"}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
-by the amount, a ground is longer, the goal moves, forward if positive), and with how many jumps there is a plan. fails-in-the-planar-model: flown ten times finer \
+\"amount_m\" (of friction: \"amount\")}], \"try_jumps\"}: the limits by which the nearest course with a plan differs (an obstacle is lower \
+by the amount, a ground is longer, the goal moves, forward if positive, friction is more), and with how many jumps there is a plan. fails-in-the-planar-model: flown ten times finer \
 than in the search, the plan misses a limit.
 
 With --plant: \"plant\": NAME, \"correction\": {\"simulated_jumps\", \"miss_m\" (of the last ones), \"is_exact\" (the \
 plant jumps as the planar model says)}, and \"hold\" (null without --share): {\"share_asked\", \"share\", \"runs\", \
-\"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"missed_most\", \
+\"is_enough\", \"clearance_margin_m\", \"landing_margin_m\", \"friction_margin\", \"clearance_margin_refused_m\", \"landing_margin_refused_m\", \"friction_margin_refused\" \
+(null: none was), \"missed_most\", \
 \"landings\" (without errors, on each ground: {\"friction\", \"land_x_m\"}), \"blocked_by\"}.
 
 The exit code is 1 unless there is a plan that lands on the target or in the goal and holds in the planar model (with --plant: on that robot; with --share: that often) and the search was not interrupted.";
