@@ -108,7 +108,7 @@ pub struct Instant<S> {
 }
 
 /// How much longer (s) than the stance that ended so the valve of `leg` is open; of a leg that has
-/// no force once its valve is shut, and so lifts off there, as of one whose valve shuts [`EARLY`].
+/// no force once its valve is shut, and so lifts off there, as of one whose valve shuts long before.
 pub fn spare_of<S: Single>(leg: &Leg, valve_open: S, end: &LiftOff<S>) -> S {
     let spare = end.time_fire + valve_open + S::of(leg.shutting_delay()) - end.time;
     if end.outcome == Outcome::Force && spare.value().abs() < 1e-9 {

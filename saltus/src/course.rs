@@ -45,7 +45,7 @@ pub fn parse(text: &str, file: &str) -> Result<Crossing, InputError> {
     read(text, file).map(|(crossing, _)| crossing)
 }
 
-/// The course that `text` describes, and a warning for each number out of its [usual](usual) range; messages
+/// The course that `text` describes, and a warning for each number out of its [usual] range; messages
 /// call it `file`.
 ///
 /// # Errors
