@@ -76,14 +76,23 @@ impl Sensitivity {
         }
     }
 
-    /// Standard deviation of the result for independent `errors`, to first order.
-    pub fn standard_deviation(&self, errors: &saltus_robot::Errors) -> f64 {
-        let parts = [
+    /// What each of the `errors` changes, with the sign of its derivative, to first order.
+    pub fn parts(&self, errors: &saltus_robot::Errors) -> [f64; 4] {
+        [
             self.by_rate * errors.rate,
             self.by_firing_angle * errors.firing_angle,
             self.by_valve_open * errors.valve_open,
             self.by_supply * errors.supply,
-        ];
-        parts.iter().map(|p| p * p).sum::<f64>().sqrt()
+        ]
     }
+
+    /// Standard deviation of the result for independent `errors`, to first order.
+    pub fn standard_deviation(&self, errors: &saltus_robot::Errors) -> f64 {
+        norm(&self.parts(errors))
+    }
+}
+
+/// √Σ x²
+pub(crate) fn norm(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
 }

@@ -28,6 +28,7 @@ import copy
 import csv
 import ctypes
 import dataclasses
+import json
 import math
 import multiprocessing
 import pathlib
@@ -44,7 +45,7 @@ import numpy as np
 import ball as in_space
 import running
 from policy import compare
-from running import GAITS, RATIO, READING, ROOT, STEP, TICK, WINDOW, Controller, Gas, Leg, Runner
+from running import GAITS, RATIO, ROOT, SALTUS, STEP, TICK, WINDOW, Controller, Gas, Leg, Runner
 from running import drawn, export, rats_run, run, spring
 from touchdown import COORDINATES, STATES, answer_columns, touch_down
 
@@ -61,7 +62,7 @@ def pooled(task, tasks, jobs):
         return pool.map(task, tasks, chunksize=1)
 
 
-SPEEDS = {"friction 9.7 N": (9.7, spring(0, 0), "3.8-4.0"), "friction 1 N, spring 7 N + 60 N/m": (1.0, spring(60, 7.0), "3.4-3.6")}
+SPEEDS = {"friction 9.7 N": (9.7, spring(0, 0)), "friction 1 N, spring 7 N + 60 N/m": (1.0, spring(60, 7.0))}
 
 
 def speed_run(task):
@@ -75,7 +76,7 @@ def speeds(options):
     runs = 3 if options.fast else options.runs
     seconds = 6.0 if options.fast else 10.5
     print("pushed at 0.5 s, 0.51 s, ...; of those that run (m/s): mean over the whole run after 0.5 s, over its last 4 s")
-    for name, (friction, back, reading) in SPEEDS.items():
+    for name, (friction, back) in SPEEDS.items():
         numerics = options.step, options.ratio, options.soft
         tasks = [(options.binary, friction, back, round(0.5 + 0.01 * k, 2), seconds, *numerics) for k in range(runs)]
         done = pooled(speed_run, tasks, options.jobs)
@@ -88,7 +89,7 @@ def speeds(options):
         gas = statistics.median(1e3 * one.gas / one.travel[-1] for one in going)
         print(
             f"{name}: {len(going)} of {runs} run; {statistics.mean(whole):.2f} [{min(whole):.2f} {max(whole):.2f}],"
-            f" {statistics.mean(last):.2f} [{min(last):.2f} {max(last):.2f}] (READING {reading}); gas {gas:.3f} g/m",
+            f" {statistics.mean(last):.2f} [{min(last):.2f} {max(last):.2f}]; gas {gas:.3f} g/m",
             flush=True,
         )
     return 0
@@ -100,40 +101,55 @@ def wilson(k, n, z=1.96):
     return max(0.0, 100 * (centre - half)), min(100.0, 100 * (centre + half))
 
 
+def ours(binary, file, gait, seconds):
+    """Saltus' run of a robot file: mean speed (m/s) over the last LAST, and when 3.2 m/s were reached (s)."""
+    words = [binary, "run", *SALTUS[gait], "--robot", file, "--seconds", str(seconds), "--format", "json"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode not in (0, 1):  # 1: it stalled
+        sys.exit(f"saltus run: {done.stderr.strip()}")
+    answer = json.loads(done.stdout)
+    reached = answer["reached_3_2_m_s_s"]
+    return answer["mean_speed_last_4_s_m_s"], math.inf if reached is None else reached
+
+
 def ensemble_run(task):
-    """One robot with all gaits: for each, speed at the end, at 1.6 s, and when 3.2 m/s were reached."""
-    binary, seed, index, gaits, seconds, step, ratio, soft = task
-    robot, rows = Runner(binary, drawn(seed, index), step, ratio, soft), {}
-    for name in gaits:
-        one = run(robot, GAITS[name], seconds, random.Random(f"gyro {seed} {index} {name}"))
-        rows[name] = one.speed(seconds - LAST, seconds), one.speed(1.6 - WINDOW, 1.6), one.reached(FAST_ENOUGH)
+    """One robot with all gaits: for each, speed at the end and when 3.2 m/s were reached, in MuJoCo and in Saltus."""
+    options, index, gaits, seconds = task
+    tables, rows = drawn(options.seed, index, options.across), {}
+    robot = Runner(options.binary, tables, options.step, options.ratio, options.soft)
+    with tempfile.TemporaryDirectory() as folder:
+        file, _ = export(options.binary, tables, folder)
+        for name in gaits:
+            one = run(robot, GAITS[name], seconds, random.Random(f"gyro {options.seed} {index} {name}"))
+            theirs = one.speed(seconds - LAST, seconds), one.reached(FAST_ENOUGH)
+            rows[name] = theirs, ours(options.binary, file, name, seconds)
     return rows
 
 
 def ensemble(options):
-    """Share of drawn robots that run, for each gait."""
+    """Which of the same drawn robots run, in MuJoCo and in Saltus, for each gait."""
     robots, seconds = (6 if options.fast else options.robots), (6.0 if options.fast else 9.0)
     gaits = options.gaits or (["pushed", "two-lines"] if options.fast else list(GAITS))
-    tasks = [(options.binary, options.seed, k, gaits, seconds, options.step, options.ratio, options.soft) for k in range(robots)]
-    done = pooled(ensemble_run, tasks, options.jobs)
+    done = pooled(ensemble_run, [(options, k, gaits, seconds) for k in range(robots)], options.jobs)
     if options.csv:
         with open(options.csv, "w", newline="") as handle:
             out = csv.writer(handle, lineterminator="\n")
-            out.writerow("seed,robot,gait,speed_at_end_m_s,speed_at_1_6_s_m_s,reached_3_2_m_s_s".split(","))
-            out.writerows([options.seed, k, name, *one[name]] for k, one in enumerate(done) for name in gaits)
+            out.writerow("seed,robot,gait,simulation,speed_at_end_m_s,reached_3_2_m_s_s".split(","))
+            rows = ((k, name, *both) for k, one in enumerate(done) for name in gaits for both in zip(("MuJoCo", "Saltus"), one[name]))
+            out.writerows([options.seed, k, name, simulation, *values] for k, name, simulation, values in rows)
     numerics = f"step {1e6 * options.step:g} us, damping ratio {options.ratio:g}{', soft' * options.soft}"
-    print(f"{robots} robots, seed {options.seed}, {seconds:g} s, {numerics}")
-    print(f"{'gait':15} {'run':>5} {'95 % interval':>14} READING | speed of runners   | at 1.6 s     | 3.2 m/s: median, within 3 s")
+    print(f"{robots} robots, seed {options.seed}, {seconds:g} s, friction across {options.across:g}, MuJoCo with {numerics}")
+    print(f"{'gait':15} {'simulation':10} {'run':>5} {'95 % interval':>14} | speed of runners, m/s | within 3 s at 3.2 m/s | same answer")
     for name in gaits:
-        end, early, reached = zip(*[one[name] for one in done])
-        runners = [v for v in end if v > RUNS]
-        low, high = wilson(len(runners), robots)
-        spread = f"{statistics.median(runners):.1f} [{min(runners):.1f} {max(runners):.1f}]" if runners else "-"
-        soon = 100 * sum(t <= 3 for t in reached) / robots
-        print(
-            f"{name:15} {100 * len(runners) / robots:4.0f}% {low:6.0f} to {high:3.0f}% {READING[name]:6d}% | {spread:18} |"
-            f" {statistics.median(early):4.1f} ({max(early):3.1f})   | {statistics.median(reached):4.1f} s, {soon:.0f} %"
-        )
+        sides = [list(zip(*side)) for side in zip(*[one[name] for one in done])]
+        same = sum((theirs > RUNS) == (ours > RUNS) for theirs, ours in zip(sides[0][0], sides[1][0]))
+        for simulation, (end, reached) in zip(("MuJoCo", "Saltus"), sides):
+            runners = [v for v in end if v > RUNS]
+            low, high = wilson(len(runners), robots)
+            spread = f"{statistics.median(runners):.2f} ({min(runners):.2f}, {max(runners):.2f})" if runners else "-"
+            soon = f"{100 * sum(t <= 3 for t in reached) / robots:.0f} %"
+            share = f"{name:15} {simulation:10} {100 * len(runners) / robots:4.0f}% {low:6.0f} to {high:3.0f}%"
+            print(f"{share} | {spread:21} | {soon:>21} | {same} of {robots}", flush=True)
     return 0
 
 
@@ -252,7 +268,7 @@ def check_gas(options):
 
 
 def check_rolling(options):
-    """Unfired five-leg wheel down a slope of 0.25 rad: limit cycle and multiplier in closed form (READING, finding 8)."""
+    """Unfired five-leg wheel down a slope of 0.25 rad: limit cycle and multiplier in closed form (McGeer 1990, rimless wheel)."""
     tables = rats_run()
     del tables["boom"]
     tables["foot"] = {"radius_mm": 0}
@@ -383,6 +399,7 @@ def parser():
     many = add(ensemble)
     many.add_argument("--robots", type=int, default=40)
     many.add_argument("--seed", type=int, default=1)
+    many.add_argument("--across", type=float, default=0.0, help="friction coefficient across the travel")
     many.add_argument("--gaits", nargs="*", choices=list(GAITS), help="some of them")
     many.add_argument("--csv", type=pathlib.Path, help="write every run to this file")
     touch = add(touch_downs, epilog=STATES)

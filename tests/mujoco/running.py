@@ -51,8 +51,8 @@ def spring(stiffness, preload):
     return {"stiffness_n_per_m": stiffness, "preload_n": preload}
 
 
-def drawn(seed, index):
-    """Robot `index` of an ensemble: friction 1 to 9.7 N, the spring the rest of 9.7 N at mid stroke (READING, finding 2)."""
+def drawn(seed, index, across):
+    """Robot `index` of an ensemble: friction 1 to 9.7 N, the spring the rest of 9.7 N at mid stroke."""
     rng = random.Random(f"{seed} {index}")
     friction, stiffness = rng.uniform(1, 9.7), rng.uniform(0, 160)
     supply, ground = rng.gauss(120, 3), rng.uniform(0.6, 1.2)
@@ -65,7 +65,7 @@ def drawn(seed, index):
         leg__supply_pressure_gauge_psi=supply,
         ground__static_friction=ground,
         ground__kinetic_friction=ground,
-        ground__across_friction=0.02,
+        ground__across_friction=across,
     )
 
 
@@ -240,14 +240,13 @@ def one_line(first=0.35, last=-0.1):
     return lambda t, omega: max(last, first + (last - first) / TOP * omega)
 
 
-def two_lines(jump, clamp=True, first=0.35, last=-0.1, slope=-0.01, switch=5.0):
+def two_lines(jump, first=0.35, last=-0.1, slope=-0.01, switch=5.0):
     """C omega + D below w_s, E omega + F above. Continuous: E leads to `last` at TOP. With a jump: E is the single line's slope
-    and F = C w_s + D. With `clamp` never less than `last`."""
+    and F = C w_s + D. Never less than `last`."""
     knee = slope * switch + first
     steep = (last - first) / TOP if jump else (last - knee) / (TOP - switch)
     beyond = (lambda w: steep * w + knee) if jump else (lambda w: steep * (w - switch) + knee)
-    least = last if clamp else -math.inf
-    return lambda t, omega: max(least, slope * omega + first if omega < switch else beyond(omega))
+    return lambda t, omega: max(last, slope * omega + first if omega < switch else beyond(omega))
 
 
 FIXED = lambda t, omega: 0.1
@@ -260,13 +259,18 @@ GAITS = {
     "one-line": Gait(one_line(), zone=-0.3),
     "two-lines": Gait(two_lines(jump=False), zone=-0.3),
     "two-lines-jump": Gait(two_lines(jump=True), zone=-0.3),
-    # The second line goes on beyond TOP: READING's speeds (7.4 m/s) come only so.
-    "two-lines-on": Gait(two_lines(jump=False, clamp=False), zone=-0.3),
 }
 
-# READING, finding 2: share that runs, in percent, without rebound.
-READING = {"fixed": 5, "pushed": 50, "open-1.43": 12, "open-3.0": 62}
-READING.update(dict.fromkeys(("one-line", "two-lines", "two-lines-jump", "two-lines-on"), 62))
+# What `saltus run` calls them.
+SALTUS = {
+    "fixed": ["fixed"],
+    "pushed": ["fixed", "--disturb", "torque=5@0.5:0.7s"],
+    "open-1.43": ["open-loop", "--centre", "printed"],
+    "open-3.0": ["open-loop", "--centre", "seconds"],
+    "one-line": ["closed-loop", "--lines", "one"],
+    "two-lines": ["closed-loop", "--lines", "two"],
+    "two-lines-jump": ["closed-loop", "--lines", "jump"],
+}
 
 
 class Controller:

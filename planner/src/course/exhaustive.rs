@@ -18,15 +18,8 @@ pub(crate) fn least_cost(jumper: &dyn Jumper, course: &Course, settings: &Settin
             if choice.windows[last].is_empty() {
                 return None;
             }
-            let mut problem = Problem::new(jumper, course, &choice, settings.sigmas);
-            let start = evenly(&problem, course);
-            let report = problem.settle(
-                &start,
-                &settings.solver,
-                |p, _| p.choice.clone(),
-                |p, x| sqp::solve(p, x, &settings.solver),
-                |_, _| None,
-            );
+            let problem = Problem::new(jumper, course, &choice, settings.sigmas);
+            let report = sqp::solve(&problem, &evenly(&problem, course), &settings.solver);
             (report.violation <= settings.solver.feasibility).then_some(report.cost)
         });
     costs.min_by(f64::total_cmp)

@@ -9,8 +9,11 @@ use super::choices::{Place, landable, roll};
 use super::terrain::{Ground, Terrain};
 use super::{Course, Jumper, Leap, Push, Span};
 
-/// Distance (m) between points of the lattice, if they are not too many.
-const STEP: f64 = 0.03;
+/// Distance (m) between points of the lattice over a whole course, if they are not too many.
+pub(super) const STEP: f64 = 0.03;
+
+/// By how much finer the lattice of the last landing is: what it is off the target costs most.
+const FINER: f64 = 10.0;
 
 /// Most points for the landings of one jump.
 const MOST: u32 = 300;
@@ -35,14 +38,15 @@ struct Point {
     decisions: [f64; 2],
 }
 
-/// The cheapest way over a lattice of the places of each jump, whose landings keep `sigmas`
-/// standard deviations from the ends of their ground, by jumps that push so; none if there is no way
-/// or the jumper has no sketches.
+/// The cheapest way over a lattice of the places of each jump, `step` (m) apart if they are not too
+/// many, whose landings keep `sigmas` standard deviations from the ends of their ground and whose last
+/// jump pushes so; none if there is no way or the jumper has no sketches.
 pub(super) fn way(
     jumper: &dyn Jumper,
     course: &Course,
     terrain: &Terrain,
     places: &[Vec<Place>],
+    step: f64,
     sigmas: f64,
     push: Push,
 ) -> Option<Way> {
@@ -56,15 +60,17 @@ pub(super) fn way(
     let mut layers = vec![vec![start]];
     for (jump, places) in places.iter().enumerate() {
         let total: f64 = places.iter().map(|(_, span)| span.width()).sum();
-        let step = STEP.max(total / f64::from(MOST));
+        let is_last = jump + 1 == course.jumps;
+        let step = if is_last { step / FINER } else { step };
+        let step = step.max(total / f64::from(MOST));
         let stage = Stage {
             jumper,
             course,
             terrain,
             jump,
-            is_last: jump + 1 == course.jumps,
+            is_last,
             sigmas,
-            push,
+            push: if is_last { push } else { Push::Any },
         };
         let before = &layers[jump];
         let reached: Vec<Point> = places

@@ -84,17 +84,10 @@ pub(super) fn nearest(
         let mut is_better = false;
         for decisions in starts(jumper, course, &choice, goal, settings) {
             let pushed = choice.pushed(jumper, &decisions);
-            let mut problem = Problem::new(jumper, course, &pushed, settings.sigmas);
-            let solve = |problem: &Problem<'_>, x: &[f64]| {
-                sqp::solve(&Elastic::new(problem, course, goal), x, &settings.solver)
-            };
-            let sunk = |problem: &Problem<'_>, x: &[f64]| {
-                let elastic = Elastic::new(problem, course, goal);
-                elastic.sunk(&x[elastic.depths_from()..])
-            };
-            let start = Elastic::new(&problem, course, goal).first(decisions);
-            let report = problem.settle(&start, &settings.solver, sunk, solve, |_, _| None);
-            let relief = Elastic::new(&problem, course, goal).relief(&report, settings);
+            let problem = Problem::new(jumper, course, &pushed, settings.sigmas);
+            let elastic = Elastic::new(&problem, course, goal);
+            let report = sqp::solve(&elastic, &elastic.first(decisions), &settings.solver);
+            let relief = elastic.relief(&report, settings);
             if relief.total < best.total - ROUND_OFF {
                 (best, is_better) = (relief, true);
             }
@@ -107,12 +100,9 @@ pub(super) fn nearest(
 }
 
 /// What the jumps of a relief miss on the course as it is.
-pub(super) fn missed(problem: &mut Problem<'_>, relief: &Relief) -> Relief {
+pub(super) fn missed(problem: &Problem<'_>, relief: &Relief) -> Relief {
     let decisions = relief.decisions.as_flattened();
     let mut at = Evaluation::default();
-    for (jump, x) in relief.decisions.iter().enumerate() {
-        problem.keep_for(jump, *x);
-    }
     problem.evaluate(decisions, &mut at);
     let give = |((jump, limit), value): ((usize, Limit), &f64)| Give {
         jump,

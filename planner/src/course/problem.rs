@@ -1,10 +1,13 @@
 //! The jumps of one choice as a nonlinear program in their decisions.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use saltus_numeric::Scalar;
 
 use super::jumper::Slope;
-use super::sqp::{self, Evaluation, Nlp};
-use super::{Course, Flight, Jumper, Leap, Limit, Margin, Side, Span};
+use super::sqp::{Evaluation, Nlp};
+use super::{Course, Flight, Jumper, Leap, Limit, Margin, Push, Side, Span};
 
 /// Where each jump of a course is to take off and to land.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,12 +41,16 @@ pub(super) struct Problem<'a> {
     pub(super) choice: &'a Choice,
     /// Standard deviations that a landing keeps from the ends of its window.
     sigmas: f64,
-    keeps: Vec<Keep>,
+    /// For each jump what was kept last, the latest first.
+    known: Rc<RefCell<Vec<Vec<Keep>>>>,
 }
 
-/// What a landing keeps from the ends of its window, as a linear function of its jump's decisions.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a landing keeps from the ends of its window near some decisions, to first order.
+#[derive(Clone, Copy, Debug)]
 struct Keep {
+    /// How the jump pushes, and how high it lands above its foothold (m).
+    push: Push,
+    rise: f64,
     /// Decisions for which it is exact.
     at: [f64; 2],
     /// What is kept there (m).
@@ -54,25 +61,23 @@ struct Keep {
 
 impl Keep {
     /// What is kept (m) with the decisions `x`, with its derivatives.
-    fn of(&self, x: [Slope; 2]) -> Slope {
-        let part = |i: usize| (x[i] - Slope::of(self.at[i])) * Slope::of(self.slope[i]);
+    fn of(&self, x: [f64; 2]) -> Slope {
+        let part = |i: usize| {
+            (Slope::variable(x[i], i + 1) - Slope::of(self.at[i])) * Slope::of(self.slope[i])
+        };
         Slope::of(self.value) + part(0) + part(1)
     }
 }
 
-/// Most times that a program is solved until its landings keep what their deviations ask for.
-const ROUNDS: usize = 12;
-
-/// After so many, what is kept no longer changes with the decisions, and only grows from one
-/// solution to the next: where the cost hardly says which of several jumps to take, it could go to
-/// and fro between theirs.
-const LINEAR_ROUNDS: usize = 4;
-
-/// Halvings of the way between a solution that keeps enough and one beyond it that does not.
-const HALVINGS: usize = 12;
-
 /// Part of a decision's range over which the slope of what is kept is taken.
 const DIFFERENCE: f64 = 1e-3;
+
+/// Part of a decision's range, and of a metre, within which what is kept is linear: farther than the
+/// solver goes for the differences that stand for second derivatives.
+const LINEAR: f64 = 2e-7;
+
+/// How much is remembered for each jump.
+const REMEMBERED: usize = 4;
 
 impl<'a> Problem<'a> {
     pub(super) fn new(
@@ -86,7 +91,7 @@ impl<'a> Problem<'a> {
             course,
             choice,
             sigmas,
-            keeps: vec![Keep::default(); choice.leaps.len()],
+            known: Rc::new(RefCell::new(vec![Vec::new(); choice.leaps.len()])),
         }
     }
 
@@ -97,160 +102,54 @@ impl<'a> Problem<'a> {
     {
         Problem {
             choice,
-            keeps: self.keeps.clone(),
+            known: self.known.clone(),
             ..*self
         }
     }
 
-    /// Takes what the landing of a jump keeps from the deviation of the jump with these decisions.
-    pub(super) fn keep_for(&mut self, jump: usize, at: [f64; 2]) {
-        self.keeps[jump] = self.constant_keep(&self.choice.leaps[jump], at);
-    }
-
-    fn constant_keep(&self, leap: &Leap, at: [f64; 2]) -> Keep {
-        Keep {
-            at,
-            value: self.kept(leap, at),
-            slope: [0.0; 2],
-        }
-    }
-
-    /// What the landing of a jump with these decisions has to keep (m).
-    fn kept(&self, leap: &Leap, decisions: [f64; 2]) -> f64 {
+    /// What the landing of a jump with these decisions keeps from the ends of its window (m).
+    fn keep(&self, leap: &Leap, x: [f64; 2]) -> Slope {
         if self.sigmas == 0.0 || self.ends_exactly(leap.jump) {
-            return 0.0;
+            return Slope::of(0.0);
         }
-        self.sigmas * self.jumper.deviation(leap, decisions)
-    }
-
-    /// The same with its slope.
-    fn linear_keep(&self, leap: &Leap, at: [f64; 2]) -> Keep {
-        let value = self.kept(leap, at);
-        let bounds = self.jumper.decisions(leap.jump);
+        let (rise, bounds) = (leap.to - leap.from, self.jumper.decisions(leap.jump));
+        let is_near = |keep: &&Keep| {
+            let near = |i: usize| (x[i] - keep.at[i]).abs() <= LINEAR * bounds[i].width();
+            let is_alike = keep.push == leap.push && (keep.rise - rise).abs() <= LINEAR;
+            is_alike && near(0) && near(1)
+        };
+        let mut known = self.known.borrow_mut();
+        let known = &mut known[leap.jump];
+        if let Some(keep) = known.iter().find(is_near) {
+            return keep.of(x);
+        }
+        let kept = |x: [f64; 2]| self.sigmas * self.jumper.deviation(leap, x);
+        let value = kept(x);
         let slope = std::array::from_fn(|i| {
-            let towards = if at[i] > f64::midpoint(bounds[i].low, bounds[i].high) {
+            let inwards = if x[i] > f64::midpoint(bounds[i].low, bounds[i].high) {
                 -DIFFERENCE
             } else {
                 DIFFERENCE
             };
-            let step = towards * bounds[i].width();
-            let mut moved = at;
-            moved[i] += step;
-            if self.sigmas > 0.0 && step != 0.0 {
-                (self.kept(leap, moved) - value) / step
-            } else {
+            let mut moved = x;
+            moved[i] += inwards * bounds[i].width();
+            let step = moved[i] - x[i];
+            if step == 0.0 {
                 0.0
+            } else {
+                (kept(moved) - value) / step
             }
         });
-        Keep { at, value, slope }
-    }
-
-    /// Takes what landings keep from the jumps over `leaps` with the decisions `x`, with its slope
-    /// in the first rounds; by how much (m) it was greater or less than the program had it, at
-    /// most, and by how much greater. In later rounds it is more than that by as much, and by
-    /// `spare` (m), so that the next solution keeps enough.
-    fn keep(&mut self, leaps: &[Leap], x: &[f64], round: usize, spare: f64) -> [f64; 2] {
-        let (mut change, mut growth) = (0.0_f64, 0.0_f64);
-        for (jump, leap) in leaps.iter().enumerate() {
-            let at = [x[2 * jump], x[2 * jump + 1]];
-            let before = self.keeps[jump].of(at.map(Slope::of)).value;
-            let is_linear = round < LINEAR_ROUNDS;
-            let kept = if is_linear {
-                self.linear_keep(leap, at)
-            } else {
-                self.constant_keep(leap, at)
-            };
-            let grown = kept.value - before;
-            growth = growth.max(grown);
-            change = change.max(if is_linear { grown.abs() } else { grown });
-            let value = if grown > 0.0 {
-                kept.value + grown + spare
-            } else {
-                before
-            };
-            self.keeps[jump] = if round <= LINEAR_ROUNDS {
-                kept
-            } else {
-                Keep { value, ..kept }
-            };
-        }
-        [change, growth]
-    }
-
-    /// Solves the program from `x`, whose first variables are the decisions, again and again until
-    /// its landings keep what the answer's deviations ask for. A deviation costs far more than a
-    /// jump, and so it is not asked for at every step of the solver but once for each solution,
-    /// with its slope. `choice` gives the jumps of a solution, and `cost` what it costs, if it is
-    /// one.
-    ///
-    /// Where the deviation leaps, a solution may be on the wrong side: the way back to the best one
-    /// is halved then.
-    pub(super) fn settle(
-        &mut self,
-        x: &[f64],
-        solver: &sqp::Settings,
-        choice: impl Fn(&Self, &[f64]) -> Choice,
-        solve: impl Fn(&Self, &[f64]) -> sqp::Report,
-        cost: impl Fn(&mut Self, &[f64]) -> Option<f64>,
-    ) -> sqp::Report {
-        self.keep(&choice(self, x).leaps, x, 0, 0.0);
-        let mut report = solve(self, x);
-        let (mut best, mut beyond): (Option<sqp::Report>, Option<sqp::Report>) = (None, None);
-        for round in 1..=ROUNDS {
-            let leaps = choice(self, &report.x).leaps;
-            let [change, growth] = self.keep(&leaps, &report.x, round, solver.feasibility);
-            let is_cheaper = best.as_ref().is_none_or(|best| report.cost < best.cost);
-            if is_cheaper && report.violation <= solver.feasibility {
-                let place = if growth <= solver.feasibility {
-                    &mut best
-                } else {
-                    &mut beyond
-                };
-                *place = Some(report.clone());
-            }
-            // A program that has no solution after a second try hardly gets one by what is kept.
-            let is_lost = round > 1 && report.violation > solver.feasibility;
-            if change <= solver.feasibility || round == ROUNDS || is_lost {
-                report.violation = report.violation.max(growth);
-                break;
-            }
-            report = solve(self, &report.x);
-        }
-        let Some(mut best) = best else { return report };
-        let Some(beyond) = beyond.filter(|beyond| beyond.cost < best.cost) else {
-            return best;
+        let keep = Keep {
+            push: leap.push,
+            rise,
+            at: x,
+            value,
+            slope,
         };
-        let mut end = beyond.x;
-        for _ in 0..HALVINGS {
-            let middle: Vec<f64> = best
-                .x
-                .iter()
-                .zip(&end)
-                .map(|(a, b)| f64::midpoint(*a, *b))
-                .collect();
-            match cost(self, &middle).filter(|cost| *cost < best.cost) {
-                Some(cost) => {
-                    best.x = middle;
-                    best.cost = cost;
-                }
-                None => end = middle,
-            }
-        }
-        best
-    }
-
-    /// What the jumps with the decisions `x` cost, if every row holds but for `tolerance` with what
-    /// their own deviations ask for.
-    pub(super) fn cost_where_it_holds(&mut self, x: &[f64], tolerance: f64) -> Option<f64> {
-        for (jump, decisions) in x.chunks_exact(2).enumerate() {
-            self.keep_for(jump, [decisions[0], decisions[1]]);
-        }
-        let mut at = Evaluation::default();
-        self.evaluate(x, &mut at);
-        let (exact, above) = at.values.split_at(self.equalities());
-        let holds = exact.iter().all(|value| value.abs() <= tolerance)
-            && above.iter().all(|value| *value >= -tolerance);
-        (holds && at.cost.is_finite()).then_some(at.cost)
+        known.insert(0, keep);
+        known.truncate(REMEMBERED);
+        keep.of(x)
     }
 
     /// Flies jump number `jump`; `margins` gets all its margins.
@@ -274,7 +173,7 @@ impl<'a> Problem<'a> {
                 value: flight.landing - Slope::of(low),
             });
         } else {
-            let keep = self.keeps[jump].of(decisions);
+            let keep = self.keep(leap, x);
             let (after, before) = (
                 flight.landing - Slope::of(low) - keep,
                 Slope::of(high) - flight.landing - keep,

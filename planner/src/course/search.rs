@@ -169,6 +169,9 @@ pub fn plan_watched(
         first: None,
     };
     let End { bound, complete } = search.run();
+    if complete {
+        search.look_closer();
+    }
     if search.best.is_none() && complete {
         let (relief, choice) = nearest(jumper, course, settings);
         let Some(mut choice) = choice.filter(|_| relief.total <= 0.0) else {
@@ -196,7 +199,7 @@ pub fn plan_watched(
             }
             _ => {
                 let choice = search.choices[choice].pushed(jumper, decisions);
-                Answer::Infeasible(missed(&mut search.problem(&choice), &relief))
+                Answer::Infeasible(missed(&search.problem(&choice), &relief))
             }
         });
     }
@@ -216,8 +219,15 @@ const SEARCH_ITERATIONS: usize = 8;
 /// within it.
 const SEARCH_RADIUS: f64 = 0.03;
 
-/// Up to so many jumps each choice is solved from all starts, in case that it has several local
-/// optima; unless there is a way for several jumps over the lattice, which is the best start.
+/// Around the landings (m) of the best plan, and how far apart (m), a fine lattice is laid in the end.
+const NEAR: f64 = 0.1;
+const FINE: f64 = 0.005;
+
+/// Most times that this is done, as each may find a better plan.
+const CLOSER_LOOKS: usize = 4;
+
+/// Up to so many jumps each choice is solved from several ways over the lattice, as it may have several
+/// local optima.
 const THOROUGH: usize = 4;
 
 /// Choices whose cheapest way over the lattice costs more than so many times the cheapest one of
@@ -350,7 +360,7 @@ impl Search<'_> {
     /// Looks at what is open until none of it can be better.
     fn run(&mut self) -> End {
         if let Some(start) = self.sequences.start() {
-            if let Some(way) = self.way(&self.sequences.places(), Push::Any) {
+            if let Some(way) = self.way(&self.sequences.places(), lattice::STEP, Push::Any) {
                 self.cheapest_way = Some(way.cost);
                 self.choices.push(self.sequences.choice(&way.grounds));
                 let choice = self.choices.len() - 1;
@@ -411,21 +421,78 @@ impl Search<'_> {
     }
 
     /// The cheapest way over a lattice of footholds.
-    fn way(&self, places: &[Vec<Place>], push: Push) -> Option<Way> {
+    fn way(&self, places: &[Vec<Place>], step: f64, push: Push) -> Option<Way> {
         lattice::way(
             self.jumper,
             self.course,
             self.sequences.terrain,
             places,
+            step,
             self.settings.sigmas,
             push,
         )
     }
 
-    /// Where the solver starts for a node that is not split, the most promising last: the cheapest
-    /// way over the node's lattice. A node without one, where other nodes have one, is given up
+    /// Tries the cheapest way over a fine lattice around the best plan, and the plan anew, until that
+    /// finds nothing cheaper: what a jump costs has several optima, and the solver finds the one that
+    /// is next to its start.
+    fn look_closer(&mut self) {
+        for _ in 0..CLOSER_LOOKS {
+            let Some(best) = self.best.clone() else {
+                return;
+            };
+            let near = self
+                .flown(&best)
+                .into_iter()
+                .map(|[_, landing]| Span::point(landing).widened(NEAR));
+            let places: Vec<Vec<Place>> = self
+                .sequences
+                .places()
+                .into_iter()
+                .zip(near)
+                .map(|(places, near)| {
+                    let places = places.into_iter();
+                    let places = places.map(|(ground, span)| (ground, span.meet(near)));
+                    places.filter(|(_, span)| !span.is_empty()).collect()
+                })
+                .collect();
+            self.choices.push(best.choice.clone());
+            self.solve(
+                self.choices.len() - 1,
+                &best.decisions,
+                &self.settings.solver,
+            );
+            if let Some(way) = self.way(&places, FINE, Push::Any) {
+                self.choices.push(self.sequences.choice(&way.grounds));
+                let choice = self.choices.len() - 1;
+                self.solve(choice, &way.decisions, &self.settings.solver);
+            }
+            if self.worth() + 2.0 * self.settings.gap > best.cost {
+                return;
+            }
+        }
+    }
+
+    /// Foothold and landing (m) of each jump.
+    fn flown(&self, best: &Best) -> Vec<[f64; 2]> {
+        let problem = self.problem(&best.choice);
+        let (mut margins, mut landing) = (Vec::new(), self.course.start);
+        let jumps = best.decisions.chunks_exact(2).enumerate();
+        let each = jumps.map(|(jump, x)| {
+            let foot = problem.foothold(jump, landing);
+            landing = problem
+                .fly(jump, foot, [x[0], x[1]], &mut margins)
+                .landing
+                .value;
+            [foot, landing]
+        });
+        each.collect()
+    }
+
+    /// Where the solver starts for a node that is not split: the cheapest ways over the node's
+    /// lattice, and what there is without one. A node without one, where other nodes have one, is given up
     /// once there is a plan.
-    fn starts(&self, node: &Node, trial: Trial) -> Vec<Vec<f64>> {
+    fn starts(&self, node: &Node, trial: Trial) -> [Vec<Vec<f64>>; 2] {
         let choice = &self.choices[node.choice];
         let places: Vec<Vec<Place>> = choice
             .grounds
@@ -433,16 +500,15 @@ impl Search<'_> {
             .zip(&node.windows)
             .map(|(ground, window)| vec![(*ground, *window)])
             .collect();
-        // A single jump is solved for each push, as each has an optimum of its own; of several the
-        // cheapest way says how each of them pushes.
-        let pushes: &[Push] = if self.course.jumps == 1 {
-            &[Push::Any, Push::Whole, Push::Part, Push::Short]
-        } else {
+        // The last jump is solved for each push, as each has an optimum of its own.
+        let pushes: &[Push] = if self.course.jumps > THOROUGH {
             &[Push::Any]
+        } else {
+            &[Push::Any, Push::Whole, Push::Part, Push::Short]
         };
         let ways: Vec<Way> = pushes
             .iter()
-            .filter_map(|push| self.way(&places, *push))
+            .filter_map(|push| self.way(&places, lattice::STEP, *push))
             .collect();
         let way = ways.first();
         let is_dear = |way: &Way| {
@@ -451,16 +517,13 @@ impl Search<'_> {
         };
         let is_given_up = way.map_or(self.cheapest_way.is_some(), is_dear);
         if is_given_up && self.best.is_some() {
-            return Vec::new();
+            return [Vec::new(), Vec::new()];
         }
         // Relaxed footholds are often extreme, as many cost the same; even distances are far from
         // every limit.
-        let mut starts = vec![
-            trial.decisions,
-            evenly(&self.problem(&self.choices[node.choice]), self.course),
-        ];
-        starts.extend(ways.into_iter().rev().map(|way| way.decisions));
-        starts
+        let evenly = evenly(&self.problem(&self.choices[node.choice]), self.course);
+        let ways = ways.into_iter().map(|way| way.decisions).collect();
+        [ways, vec![evenly, trial.decisions]]
     }
 
     /// Grows a sequence of grounds to its end along its best links; the other links are left open.
@@ -528,14 +591,17 @@ impl Search<'_> {
                 self.solve(node.choice, &trial.decisions, &quick);
             }
         } else {
-            let mut starts = self.starts(node, trial);
-            while let Some(start) = starts.pop() {
-                let found = self
-                    .solved_first(node.choice, &start)
-                    .unwrap_or_else(|| self.solve(node.choice, &start, &self.settings.solver));
-                let is_led = self.cheapest_way.is_some() && self.course.jumps > 1;
-                if found && (is_led || self.course.jumps > THOROUGH) {
-                    break;
+            let [ways, others] = self.starts(node, trial);
+            let several = self.course.jumps > 1;
+            let mut found = false;
+            for (is_way, starts) in [(true, ways), (false, others)] {
+                for start in starts {
+                    if found && (several && !is_way || self.course.jumps > THOROUGH) {
+                        return;
+                    }
+                    found |= self
+                        .solved_first(node.choice, &start)
+                        .unwrap_or_else(|| self.solve(node.choice, &start, &self.settings.solver));
                 }
             }
         }
@@ -552,7 +618,7 @@ impl Search<'_> {
     fn solve(&mut self, choice: usize, decisions: &[f64], solver: &sqp::Settings) -> bool {
         self.solves += 1;
         let choice = self.choices[choice].pushed(self.jumper, decisions);
-        let report = settled(&mut self.problem(&choice), decisions, solver);
+        let report = sqp::solve(&self.problem(&choice), decisions, solver);
         let is_plan = report.violation <= self.settings.solver.feasibility;
         if is_plan {
             let is_final =
@@ -589,12 +655,11 @@ impl Search<'_> {
             landing = *target;
         }
         let choice = choice.pushed(self.jumper, &trial.decisions);
-        let mut problem = self.problem(&choice);
+        let problem = self.problem(&choice);
         let (mut margins, mut landing) = (Vec::with_capacity(16), self.course.start);
         for (jump, [target, floor]) in node.relaxed.iter().enumerate() {
             let foot = problem.foothold(jump, landing);
             let decisions = [trial.decisions[2 * jump], trial.decisions[2 * jump + 1]];
-            problem.keep_for(jump, decisions);
             let flight = problem.fly(jump, foot, decisions, &mut margins);
             let tolerance = self.settings.solver.feasibility;
             let bounds = self.jumper.decisions(jump);
@@ -733,9 +798,9 @@ impl Search<'_> {
 
     /// Lets the solver have the last word on the best decisions.
     fn finish(&self, best: &Best, bound: f64, complete: bool) -> Plan {
-        let mut problem = self.problem(&best.choice);
+        let problem = self.problem(&best.choice);
         let solver = &self.settings.solver;
-        let solve = || settled(&mut problem, &best.decisions, solver);
+        let solve = || sqp::solve(&problem, &best.decisions, solver);
         let mut report = best.report.clone().unwrap_or_else(solve);
         if report.violation > self.settings.solver.feasibility || report.cost > best.cost {
             report.x.clone_from(&best.decisions);
@@ -765,17 +830,6 @@ impl Search<'_> {
             report,
         }
     }
-}
-
-/// The solution of a choice's program from `decisions`, on the grounds as they are.
-fn settled(problem: &mut Problem<'_>, decisions: &[f64], solver: &sqp::Settings) -> sqp::Report {
-    problem.settle(
-        decisions,
-        solver,
-        |p, _| p.choice.clone(),
-        |p, x| sqp::solve(p, x, solver),
-        |p, x| p.cost_where_it_holds(x, solver.feasibility),
-    )
 }
 
 /// Whether `n` is a power of `base`, the first one or higher.

@@ -7,7 +7,7 @@ use saltus_numeric::Single;
 use super::{Crossing, CrossingPlan, PlannedJump};
 use crate::course::{self, Obstacle, Span};
 use crate::flight::JumpFlight;
-use crate::jump::Sensitivity;
+use crate::jump::{Sensitivity, norm};
 use crate::model::{JumpModel, Traced};
 use crate::planner::Planner;
 
@@ -131,10 +131,19 @@ impl Planner<dyn JumpModel> {
     /// Standard deviation (m) of the landing at `height` (m) above the foot, to first order; 0
     /// where there is none.
     pub(super) fn landing_deviation(&self, launch: &saltus_lagrangian::Launch, height: f64) -> f64 {
+        norm(&self.landing_errors(launch, height))
+    }
+
+    /// What each error of the robot changes of the landing (m), with its sign.
+    pub(super) fn landing_errors(
+        &self,
+        launch: &saltus_lagrangian::Launch,
+        height: f64,
+    ) -> [f64; 4] {
         let jump = self.sensitive_jump(launch).ok();
         let distance = jump.and_then(|jump| jump.distance(height));
-        distance.map_or(0.0, |d| {
-            Sensitivity::new(d).standard_deviation(&self.robot().errors)
+        distance.map_or([0.0; 4], |d| {
+            Sensitivity::new(d).parts(&self.robot().errors)
         })
     }
 }

@@ -19,7 +19,7 @@ use saltus_robot::Outcome;
 
 use super::Crossing;
 use crate::course::{Edge, Envelope, Leap, Push, Span};
-use crate::jump::Jump;
+use crate::jump::{Jump, norm};
 use crate::model::JumpModel;
 use crate::planner::Planner;
 
@@ -64,8 +64,10 @@ struct Sample {
     /// Valve time (s).
     time: f64,
     jump: Jump,
-    /// Standard deviation (m) of the landing and friction needed, once they are asked for.
-    asked: [OnceCell<f64>; 2],
+    /// What each error of the robot changes of the landing (m), with its sign, and the friction needed,
+    /// once they are asked for.
+    errors: OnceCell<[f64; 4]>,
+    friction: OnceCell<f64>,
 }
 
 /// How far the jumps go, down to one height.
@@ -88,7 +90,8 @@ pub(super) struct Wanted<'a> {
     pub(super) height: f64,
     pub(super) rim: [f64; 2],
     /// Greatest standard deviation (m) of the landing, and greatest friction needed.
-    pub(super) most: [f64; 2],
+    pub(super) scatter: f64,
+    pub(super) friction: f64,
 }
 
 /// What jumps are bounded for.
@@ -125,7 +128,8 @@ impl Grid {
                     push: pushed(push, jump.stance.outcome),
                     time,
                     jump,
-                    asked: [OnceCell::new(), OnceCell::new()],
+                    errors: OnceCell::new(),
+                    friction: OnceCell::new(),
                 })
             };
             let samples = times.iter().map(sample).collect();
@@ -220,12 +224,12 @@ impl Grid {
     }
 
     /// The sampled jump of the shortest valve time that is as wanted, between two firing angles.
-    /// `ask` gives the standard deviation (m) of the landing (0) or the friction needed (1) with a
-    /// firing angle and a valve time.
+    /// `errors` and `friction` give those of a sample for a firing angle and a valve time.
     pub(super) fn sketch(
         &self,
         wanted: &Wanted<'_>,
-        ask: impl Fn(usize, [f64; 2]) -> f64,
+        errors: impl Fn([f64; 2]) -> [f64; 4],
+        friction: impl Fn([f64; 2]) -> f64,
     ) -> Option<[f64; 2]> {
         let reached = self.reached(wanted.height);
         let [foot, landing] = wanted.from_to;
@@ -251,17 +255,21 @@ impl Grid {
             let part = low / (low - high);
             let mix = |a: f64, b: f64| a + part * (b - a);
             let flight = between(&from.parabola(), &to.parabola(), mix);
-            let limited = |which: usize| {
-                let asked = |sample: &Sample, column: usize| {
-                    let at = [self.angles[column], sample.time];
-                    *sample.asked[which].get_or_init(|| ask(which, at))
-                };
-                wanted.most[which] == f64::INFINITY
-                    || mix(asked(a, column - 1), asked(b, column)) <= wanted.most[which]
+            let ends = [(a, column - 1), (b, column)];
+            let at = |(sample, column): (&Sample, usize)| [self.angles[column], sample.time];
+            let scatters_little = || {
+                let [a, b] = ends.map(|end| end.0.errors.get_or_init(|| errors(at(end))));
+                // Mixed with their signs: at the greatest distance the angle's error changes nothing.
+                let parts: [f64; 4] = std::array::from_fn(|i| mix(a[i], b[i]));
+                norm(&parts) <= wanted.scatter
+            };
+            let holds = || {
+                let [a, b] = ends.map(|end| *end.0.friction.get_or_init(|| friction(at(end))));
+                mix(a, b) <= wanted.friction
             };
             if clears(&flight, wanted.leap, foot, wanted.height, wanted.rim)
-                && limited(0)
-                && limited(1)
+                && (wanted.scatter == f64::INFINITY || scatters_little())
+                && (wanted.friction == f64::INFINITY || holds())
             {
                 let angle = mix(self.angles[column - 1], self.angles[column]);
                 return Some([angle, mix(a.time, b.time)]);

@@ -430,12 +430,12 @@ impl Jumper for Roller<'_> {
     }
 
     fn sketch(&self, leap: &Leap, foot: f64, landing: f64, scatter: f64) -> Option<Sketch> {
-        let ask = |which: usize, decisions: [f64; 2]| {
+        let errors = |decisions: [f64; 2]| {
             let launch = self.crossing.launch(leap.jump, decisions);
-            if which == 0 {
-                let radius = self.planner.robot().body.radius;
-                return self.planner.landing_deviation(&launch, radius);
-            }
+            let radius = self.planner.robot().body.radius;
+            self.planner.landing_errors(&launch, radius)
+        };
+        let friction = |decisions: [f64; 2]| {
             let launch = self.launch(leap, decisions);
             let jump = self.planner.model().steered(&launch, true);
             let needed = jump.and_then(|jump| jump.friction_needed);
@@ -446,9 +446,10 @@ impl Jumper for Roller<'_> {
             from_to: [foot, landing],
             height: self.landing_height(leap),
             rim: self.rim(leap),
-            most: [scatter, self.crossing.friction.unwrap_or(f64::INFINITY)],
+            scatter,
+            friction: self.crossing.friction.unwrap_or(f64::INFINITY),
         };
-        let decisions = self.grids[leap.jump].sketch(&wanted, ask)?;
+        let decisions = self.grids[leap.jump].sketch(&wanted, errors, friction)?;
         let is_last = leap.jump + 1 == self.crossing.course.jumps;
         let off = if is_last {
             landing - self.crossing.target

@@ -101,7 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 .collect(),
         );
         let fast = median(all.iter().map(|s| s.reached_3_2.unwrap_or(99.0)).collect());
-        let speed = median(all.iter().map(|s| s.late_speed()).collect());
+        let speed = median(all.iter().map(saltus_gait::Summary::late_speed).collect());
         let gas = median(
             all.iter()
                 .map(|s| 1e3 * s.gas / s.travel.max(0.01))
