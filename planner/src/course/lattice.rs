@@ -18,6 +18,9 @@ const FINER: f64 = 10.0;
 /// Most points for the landings of one jump.
 const MOST: u32 = 300;
 
+/// Least parts of a place: the landings that a jump can keep may be a small part of it.
+const FEWEST: u32 = 16;
+
 /// The cheapest way over the lattice.
 pub(super) struct Way {
     /// Index of the ground that each jump lands on.
@@ -118,7 +121,7 @@ impl Stage<'_> {
         }
         // An odd number, so that the middle of a narrow place is there.
         let is_enough = |pieces: &u32| f64::from(*pieces) * step >= span.width();
-        let pieces = (4..MOST).step_by(2).find(is_enough).unwrap_or(MOST);
+        let pieces = (FEWEST..MOST).step_by(2).find(is_enough).unwrap_or(MOST);
         let place = |i: u32| span.low + span.width() * f64::from(i) / f64::from(pieces);
         // Points on one ground stand side by side and share their leap.
         let mut leaps: Vec<Leap> = Vec::new();

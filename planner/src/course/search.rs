@@ -457,11 +457,17 @@ impl Search<'_> {
                 })
                 .collect();
             self.choices.push(best.choice.clone());
-            self.solve(
-                self.choices.len() - 1,
-                &best.decisions,
-                &self.settings.solver,
-            );
+            let choice = self.choices.len() - 1;
+            self.solve(choice, &best.decisions, &self.settings.solver);
+            if self.course.jumps <= THOROUGH {
+                // A jump that pushes to its end may do with less.
+                for jump in 0..self.course.jumps {
+                    let mut decisions = best.decisions.clone();
+                    let least = self.jumper.decisions(jump)[1].low;
+                    decisions[2 * jump + 1] = f64::midpoint(least, decisions[2 * jump + 1]);
+                    self.solve(choice, &decisions, &self.settings.solver);
+                }
+            }
             if let Some(way) = self.way(&places, FINE, Push::Any) {
                 self.choices.push(self.sequences.choice(&way.grounds));
                 let choice = self.choices.len() - 1;
@@ -515,7 +521,11 @@ impl Search<'_> {
             self.cheapest_way
                 .is_some_and(|cheapest| way.cost > DEAR * (cheapest + LATTICE_ERROR))
         };
-        let is_given_up = way.map_or(self.cheapest_way.is_some(), is_dear);
+        // The lattice does not see what a few jumps alone can do, such as to land on a millimetre.
+        let is_given_up = match way {
+            Some(way) => is_dear(way),
+            None => self.cheapest_way.is_some() && self.course.jumps > THOROUGH,
+        };
         if is_given_up && self.best.is_some() {
             return [Vec::new(), Vec::new()];
         }
