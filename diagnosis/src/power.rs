@@ -6,6 +6,8 @@
 //! noise does to it follows from the model linearised there. Each draw of noise is weighed as a
 //! diagnosis weighs sets of causes.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -329,14 +331,16 @@ impl Shown {
     /// How well the first `asked` of effects of these sources (number and id of the cause) are told from the others,
     /// from 0 to 1: the mean over them of the distance between what one does and the nearest sum of multiples of what
     /// another source does, where so many standard deviations as tell two predictions apart are enough.
-    pub fn apart(&self, causes: &[(usize, &str)], asked: usize) -> f64 {
+    pub fn apart(&self, sources: &[(usize, &str)], asked: usize) -> f64 {
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (k, (number, _)) in sources.iter().enumerate() {
+            groups.entry(*number).or_default().push(k);
+        }
         let of = |i: usize| {
-            let is_first = |j: &usize| causes[..*j].iter().all(|c| c.0 != causes[*j].0);
-            let others = (0..causes.len()).filter(|j| causes[*j].1 != causes[i].1 && is_first(j));
-            let left = others.map(|j| {
-                let same = (0..causes.len()).filter(|k| causes[*k].0 == causes[j].0);
-                self.beyond(i, &same.collect::<Vec<_>>())
-            });
+            let others = groups
+                .values()
+                .filter(|all| sources[all[0]].1 != sources[i].1);
+            let left = others.map(|all| self.beyond(i, all));
             let nearest = left.fold(self.0[(i, i)], f64::min).max(0.0).sqrt();
             (nearest / APART).min(1.0)
         };
@@ -400,11 +404,14 @@ pub fn visible_by_each(
 /// A parameter of a cause, and values of all of them with which it is seen.
 type Seen = (usize, Vec<f64>);
 
+/// By how many standard deviations readings show values of a cause's parameters, if the model has an answer.
+type Sigmas<'a> = dyn Fn(&[f64]) -> Option<f64> + 'a;
+
 /// What `of` finds of every listed cause, by how many standard deviations the readings show its values.
 fn found(
     kind: &dyn Kind,
     settings: &Settings,
-    of: &(dyn Fn(&Cause, &dyn Fn(&[f64]) -> Option<f64>) -> Vec<Seen> + Sync),
+    of: &(dyn Fn(&Cause, &Sigmas<'_>) -> Vec<Seen> + Sync),
 ) -> Vec<(usize, Vec<f64>)> {
     let off = Terms::off(kind.causes());
     let Some(view) = View::exact(kind, settings, &off) else {
@@ -443,7 +450,7 @@ fn found(
 fn values_seen<'a>(
     cause: &'a Cause,
     sigmas: f64,
-    seen: &'a dyn Fn(&[f64]) -> Option<f64>,
+    seen: &'a Sigmas<'a>,
 ) -> impl Iterator<Item = Seen> + 'a {
     let parameters = &cause.parameters;
     let neutral: Vec<f64> = parameters.iter().map(|p| p.neutral).collect();
