@@ -226,7 +226,9 @@ impl<'a> Answer<'a> {
         Some(answer)
     }
 
-    /// The diagnosis; or a cause that may be none at all by its own interval, and is not to be named.
+    /// The diagnosis; or a cause that is not to be named: one that may be none at all by its own interval, or one of
+    /// which nothing limits how strong it is where something unknown is left. What a cause leaves limits it: where
+    /// that is unknown, it takes away what the model does and describes nothing.
     fn tell(self, progress: &dyn Fn(Stage)) -> Result<Diagnosis, usize> {
         let done = |k: usize| FOLLOWED + (0.95 - FOLLOWED) * k as f64 / self.causes.len() as f64;
         let kind = self.view;
@@ -254,6 +256,10 @@ impl<'a> Answer<'a> {
         let named = findings.iter().map(|finding| &finding.best).chain(&term);
         if let Some(none) = named.into_iter().find(|it| it.may_be_none(kind)) {
             return Err(none.cause);
+        }
+        let is_open = |finding: &&Finding| self.set.is_short() && !finding.is_identifiable;
+        if let Some(finding) = findings.iter().find(is_open) {
+            return Err(finding.best.cause);
         }
         progress(Stage {
             share: 0.95,

@@ -58,7 +58,7 @@ pub use named::{meaning, named};
 pub use next::NextExperiment;
 pub use noise::{Misstated, disbelieve, misstated};
 pub use policy::{POLICY, Policy};
-pub use power::{Power, Shown, power, shown, visible};
+pub use power::{Power, Shown, power, shown, visible, visible_by_each};
 pub use prior::{Prior, Source};
 pub use profile::Interval;
 pub use residuals::{PhaseResidual, Point, outliers, points, residuals};

@@ -6,6 +6,8 @@
 //! noise does to it follows from the model linearised there. Each draw of noise is weighed as a
 //! diagnosis weighs sets of causes.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -326,19 +328,47 @@ impl Shown {
         Shown(&self.0 + &other.0)
     }
 
-    /// How well the first `asked` of effects with these ids are told from the others, from 0 to 1: the
-    /// mean over them of the distance between what one does and the nearest multiple of what another
-    /// does, where so many standard deviations as tell two predictions apart are enough.
-    pub fn apart(&self, ids: &[&str], asked: usize) -> f64 {
-        let products = &self.0;
+    /// How well the first `asked` of effects of these sources (number and id of the cause) are told from the others,
+    /// from 0 to 1: the mean over them of the distance between what one does and the nearest sum of multiples of what
+    /// another source does, where so many standard deviations as tell two predictions apart are enough.
+    pub fn apart(&self, sources: &[(usize, &str)], asked: usize) -> f64 {
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (k, (number, _)) in sources.iter().enumerate() {
+            groups.entry(*number).or_default().push(k);
+        }
         let of = |i: usize| {
-            let whole = products[(i, i)];
-            let others = (0..ids.len()).filter(|j| ids[*j] != ids[i] && products[(*j, *j)] > 0.0);
-            let left = others.map(|j| whole - products[(i, j)].powi(2) / products[(j, j)]);
-            let nearest = left.fold(whole, f64::min).max(0.0).sqrt();
+            let others = groups
+                .values()
+                .filter(|all| sources[all[0]].1 != sources[i].1);
+            let left = others.map(|all| self.beyond(i, all));
+            let nearest = left.fold(self.0[(i, i)], f64::min).max(0.0).sqrt();
             (nearest / APART).min(1.0)
         };
         (0..asked).map(of).sum::<f64>() / asked.max(1) as f64
+    }
+
+    /// Square of the distance between effect `i` and the nearest sum of multiples of the effects `all`.
+    fn beyond(&self, i: usize, all: &[usize]) -> f64 {
+        /// Part of an effect below which it does nothing but what those before it do.
+        const NOTHING: f64 = 1e-9;
+        let products = &self.0;
+        // Gram and Schmidt, by products alone: each row is orthogonal to those before, its last product is with `i`.
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let mut left = products[(i, i)];
+        for (n, &k) in all.iter().enumerate() {
+            let mut row: Vec<f64> = all.iter().chain([&i]).map(|j| products[(k, *j)]).collect();
+            for (m, before) in rows.iter().enumerate().filter(|(_, row)| !row.is_empty()) {
+                let part = before[n] / before[m];
+                row.iter_mut().zip(before).for_each(|(x, b)| *x -= part * b);
+            }
+            if row[n] > NOTHING * products[(k, k)] {
+                left -= row[all.len()].powi(2) / row[n];
+                rows.push(row);
+            } else {
+                rows.push(Vec::new());
+            }
+        }
+        left
     }
 }
 
@@ -347,6 +377,42 @@ impl Shown {
 /// are as they are without the effect, or where a search starts. Left out are causes of which no
 /// value that physics allows does so much.
 pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usize, Vec<f64>)> {
+    found(kind, settings, &|cause, seen| {
+        let each = sigmas.iter();
+        each.filter_map(|sigmas| values_seen(cause, *sigmas, seen).next())
+            .collect()
+    })
+}
+
+/// The same by `sigmas` for each parameter of a cause in turn: together they say what it can do.
+pub fn visible_by_each(
+    kind: &dyn Kind,
+    sigmas: f64,
+    settings: &Settings,
+) -> Vec<(usize, Vec<f64>)> {
+    found(kind, settings, &|cause, seen| {
+        let mut all: Vec<(usize, Vec<f64>)> = Vec::new();
+        for (parameter, values) in values_seen(cause, sigmas, seen) {
+            if all.iter().all(|(other, _)| *other != parameter) {
+                all.push((parameter, values));
+            }
+        }
+        all
+    })
+}
+
+/// A parameter of a cause, and values of all of them with which it is seen.
+type Seen = (usize, Vec<f64>);
+
+/// By how many standard deviations readings show values of a cause's parameters, if the model has an answer.
+type Sigmas<'a> = dyn Fn(&[f64]) -> Option<f64> + 'a;
+
+/// What `of` finds of every listed cause, by how many standard deviations the readings show its values.
+fn found(
+    kind: &dyn Kind,
+    settings: &Settings,
+    of: &(dyn Fn(&Cause, &Sigmas<'_>) -> Vec<Seen> + Sync),
+) -> Vec<(usize, Vec<f64>)> {
     let off = Terms::off(kind.causes());
     let Some(view) = View::exact(kind, settings, &off) else {
         return Vec::new();
@@ -372,32 +438,31 @@ pub fn visible(kind: &dyn Kind, sigmas: &[f64], settings: &Settings) -> Vec<(usi
             let change = tangent.change(&view, &on(kind, cause, values))?;
             Some(self::seen(&discrepancy, &change))
         };
-        let each = sigmas.iter();
-        let mut found: Vec<(usize, Vec<f64>)> = each
-            .filter_map(|sigmas| Some((cause, value_seen(&kind.causes()[cause], *sigmas, &seen)?)))
-            .collect();
+        let each = of(&kind.causes()[cause], &seen).into_iter();
+        let mut found: Vec<(usize, Vec<f64>)> = each.map(|(_, values)| (cause, values)).collect();
         found.dedup();
         found
     });
     found.into_iter().flatten().collect()
 }
 
-/// Values of the parameters of `cause` that are seen by `sigmas`.
-fn value_seen(
-    cause: &Cause,
+/// Values of the parameters of `cause` that are seen by `sigmas`, each with the parameter that was changed.
+fn values_seen<'a>(
+    cause: &'a Cause,
     sigmas: f64,
-    seen: &dyn Fn(&[f64]) -> Option<f64>,
-) -> Option<Vec<f64>> {
+    seen: &'a Sigmas<'a>,
+) -> impl Iterator<Item = Seen> + 'a {
     let parameters = &cause.parameters;
     let neutral: Vec<f64> = parameters.iter().map(|p| p.neutral).collect();
     let started = parameters
         .iter()
         .map(|p| p.starts.first().unwrap_or(&p.neutral));
     let started: Vec<f64> = started.copied().collect();
-    let ways = [&neutral, &started].into_iter().flat_map(|rest| {
-        (0..parameters.len()).flat_map(move |k| [true, false].map(|up| (rest, k, up)))
+    let ways = [neutral, started].into_iter().flat_map(|rest| {
+        let both = (0..parameters.len()).flat_map(|k| [(k, true), (k, false)]);
+        both.map(move |(k, up)| (rest.clone(), k, up))
     });
-    let mut found = ways.filter_map(|(rest, k, up)| {
+    ways.filter_map(move |(rest, k, up)| {
         let Parameter {
             neutral,
             bounds,
@@ -418,7 +483,7 @@ fn value_seen(
         }
         if is_seen(LEAST) {
             // The others do it; of a cause apart from none, its least value does.
-            return cause.is_apart().then(|| with(LEAST));
+            return cause.is_apart().then(|| (k, with(LEAST)));
         }
         let grown = |scales: &f64| Some((4.0 * scales).min(most)).filter(|next| next > scales);
         let mut all = std::iter::successors(Some(LEAST), grown);
@@ -432,7 +497,6 @@ fn value_seen(
                 less = middle;
             }
         }
-        Some(with(more))
-    });
-    found.next()
+        Some((k, with(more)))
+    })
 }

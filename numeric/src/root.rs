@@ -59,8 +59,10 @@ pub fn past_root(
     resolution: f64,
     mut value: impl FnMut(f64) -> f64,
 ) -> f64 {
+    /// Values after which bisection goes on alone: it comes to the root whatever the values are.
+    const ENOUGH: usize = 80;
     let mut bracket = Bracket::new(a, b);
-    for i in 0..80 {
+    for i in 0.. {
         let (a, b) = bracket.places();
         if b - a <= resolution || bracket.b.1 == 0.0 {
             break;
@@ -73,7 +75,7 @@ pub fn past_root(
         } else if b - s < margin {
             s = b - margin;
         }
-        if i % 8 == 7 || !(s > a && s < b) {
+        if i % 8 == 7 || i >= ENOUGH || !(s > a && s < b) {
             s = 0.5 * (a + b);
         }
         if s <= a || s >= b {
@@ -148,6 +150,20 @@ mod tests {
             });
             assert!(f(found) <= 0.0 && (found - root).abs() < 2e-12, "{found}");
             assert!(calls.get() < 80, "{} calls for {root}", calls.get());
+        }
+    }
+
+    /// A root so near one end that values there are nothing beside those at the other: regula falsi hardly moves.
+    #[test]
+    fn past_root_comes_to_a_root_beside_an_end() {
+        for start in [1e-14, 1e-11, 1e-8] {
+            let f = |x: f64| start - 1e-5 * x - x * x;
+            let root = 2.0 * start / (1e-5 + (1e-10 + 4.0 * start).sqrt());
+            let found = past_root((0.0, f(0.0)), (1.0, f(1.0)), 1e-15, f);
+            assert!(
+                f(found) <= 0.0 && (found - root).abs() < 2e-15,
+                "{found} {root}"
+            );
         }
     }
 

@@ -1,7 +1,9 @@
 //! What a planned experiment can tell of a robot, and which jumps tell most.
 
 use saltus_diagnosis::kinds::{self, Problem};
-use saltus_diagnosis::{Experiment, Kind, Power, Settings, Shown, Sort, power, shown, visible};
+use saltus_diagnosis::{
+    Experiment, Kind, Power, Settings, Shown, Sort, power, shown, visible, visible_by_each,
+};
 use saltus_numeric::parallel;
 use saltus_robot::Robot;
 
@@ -134,8 +136,8 @@ fn of(
 /// The `count` jumps that tell the effects of `plan` apart best, of a grid of launches.
 ///
 /// Each jump of the grid shows each effect as a vector in standard deviations of its readings, and
-/// products of these vectors add up over jumps. By them, the distance between what one effect and
-/// the best multiple of another do is known for every set of jumps. Jumps are added, and then
+/// products of these vectors add up over jumps. By them, the distance between what one effect does and
+/// the nearest that another cause does, with all of its parameters, is known for every set of jumps. Jumps are added, and then
 /// exchanged, while the mean over all effects of the distance to the nearest other one grows, where
 /// five standard deviations of a reading are enough.
 ///
@@ -159,9 +161,7 @@ pub fn propose(
     let sized = sized(kind.as_ref(), plan.kind, Some(robot), effects, settings)?;
     // They are to be told from every cause, not only from each other.
     let mut all = sized.clone();
-    if !effects.is_empty() {
-        all.extend(visible(kind.as_ref(), &SEEN[..1], settings));
-    }
+    all.extend(visible_by_each(kind.as_ref(), SEEN[0], settings));
     let grid = grid(plan.kind, robot);
     let shown = parallel::map(grid.len(), |k| {
         progress("a launch");
@@ -178,8 +178,17 @@ pub fn propose(
         let robot = robot.name.clone();
         return Err(PowerError::NoJump { robot });
     }
-    let ids: Vec<&str> = all.iter().map(|(c, _)| kind.causes()[*c].id).collect();
-    let jumps = chosen(&shows, &ids, sized.len(), count);
+    // An effect that is asked for is one of its own, those of each parameter are what a cause can do.
+    let source = |k: usize| {
+        if k < sized.len() {
+            k
+        } else {
+            sized.len() + all[k].0
+        }
+    };
+    let causes = (0..all.len()).map(|k| (source(k), kind.causes()[all[k].0].id));
+    let causes: Vec<(usize, &str)> = causes.collect();
+    let jumps = chosen(&shows, &causes, sized.len(), count);
     let experiment = plan.asking(&jumps, Some(robot), settings.seed)?;
     let there = kinds::build(&experiment, Some(robot))?;
     let told = of(
@@ -216,13 +225,18 @@ fn grid(kind: Sort, robot: &Robot) -> Vec<Asked> {
     all
 }
 
-/// Of the jumps that show effects, with these ids, so many that tell the first `asked` of them from
-/// all others best.
-fn chosen(shows: &[(Asked, Shown)], ids: &[&str], asked: usize, count: usize) -> Vec<Asked> {
+/// Of the jumps that show effects, of these sources (number and id), so many that tell the first `asked` of
+/// them from all others best.
+fn chosen(
+    shows: &[(Asked, Shown)],
+    causes: &[(usize, &str)],
+    asked: usize,
+    count: usize,
+) -> Vec<Asked> {
     let mut set: Vec<usize> = Vec::new();
     let total = |set: &[usize]| Shown::sum(set.iter().map(|k| &shows[*k].1));
     let best = |sum: &Shown| {
-        let scores = parallel::map(shows.len(), |k| sum.with(&shows[k].1).apart(ids, asked));
+        let scores = parallel::map(shows.len(), |k| sum.with(&shows[k].1).apart(causes, asked));
         (0..shows.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
     };
     while set.len() < count {

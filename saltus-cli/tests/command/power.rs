@@ -71,8 +71,9 @@ fn proposed_jumps_tell_more() {
         let all = effects.as_array().unwrap();
         all.iter().map(|e| number(&e["alone"])).sum::<f64>() / all.len() as f64
     };
+    // Beyond the scatter of a mean of two shares of 300 experiments, twice.
     assert!(
-        mean(&proposed["effects"]) > mean(&json["effects"]) + 0.1,
+        mean(&proposed["effects"]) > mean(&json["effects"]) + 0.05,
         "{json}"
     );
     let text = folder.done(&format!("design plan.toml {effects} --propose 6"), 0);
