@@ -215,7 +215,7 @@ fn a_failure_says_which_demand_by_how_much_how_often_and_what_to_do() {
         "FAIL: 0 of 1 jumps without errors pass",
         "tolerance: without errors, 1 of 1: lands 60.1 mm short of the wanted place, 48 mm are \
          allowed (--tolerance)",
-        "clearance: without errors, 1 of 1: touches obstacle 1 by 7.35 mm",
+        "clearance: without errors, 1 of 1: touches obstacle 1 by 7.3",
         "clearance: with errors, 20 of 20, at worst: touches obstacle 1 by",
         "rats-boom jumps, which has a boom that rats-planar has not",
         "verify --correct",
@@ -237,7 +237,7 @@ fn a_failure_says_which_demand_by_how_much_how_often_and_what_to_do() {
     );
     let page = folder.read("page.html");
     assert!(page.contains(
-        "lands 60.1 mm short of the wanted place, 48 mm are allowed; touches obstacle 1 by 7.35 mm"
+        "lands 60.1 mm short of the wanted place, 48 mm are allowed; touches obstacle 1 by 7.3"
     ));
     assert!(
         page.contains("[\"obstacle\",0]"),
