@@ -95,11 +95,6 @@ fn are_close_numbers(a: &str, b: &str) -> bool {
     (x - y).abs() <= 1.01 * unit
 }
 
-/// Runs what `document` shows in a folder of its own.
-fn check(name: &str, document: &str) {
-    check_steps(document, &Folder::new(name), 6);
-}
-
 /// Runs the steps of `document`, at least `least`, in `folder`.
 pub(crate) fn check_steps(document: &str, folder: &Folder, least: usize) {
     let steps = steps(document);
@@ -115,38 +110,6 @@ pub(crate) fn check_steps(document: &str, folder: &Folder, least: usize) {
             }
         }
     }
-}
-
-#[test]
-#[ignore = "nightly: 45 s"]
-fn the_tutorial_shows_what_commands_print() {
-    check("tutorial", include_str!("../../../docs/tutorial.md"));
-}
-
-#[test]
-fn the_tutorial_of_machines_shows_what_commands_print() {
-    let page = include_str!("../../../docs/machines.md");
-    check_steps(page, &Folder::new("machines"), 2);
-}
-
-#[test]
-#[ignore = "nightly: 166 s"]
-fn the_page_of_learning_shows_what_commands_print() {
-    let page = include_str!("../../../docs/learning.md");
-    check_steps(page, &Folder::new("learning"), 2);
-}
-
-#[test]
-#[ignore = "nightly: 10 s"]
-fn the_page_of_runs_shows_what_commands_print() {
-    check("running", include_str!("../../../docs/running.md"));
-}
-
-#[test]
-#[ignore = "nightly: 17 s"]
-fn the_page_of_robots_in_space_shows_what_commands_print() {
-    let page = include_str!("../../../docs/space.md");
-    check_steps(page, &Folder::new("space"), 3);
 }
 
 /// The same command with fewer robots: whether it can be typed does not hang on how many.

@@ -1,7 +1,7 @@
 //! The pages of `docs/` with blocks ```` ```console ````: what they show is what the command prints.
 //!
-//! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli --test command pages -- --include-ignored` writes into the pages what is printed now,
-//! but for commands of which `...` leaves something out.
+//! `SALTUS_WRITE_PAGES=1 cargo test -p saltus-cli --test command pages -- --include-ignored` writes into the pages what is printed now;
+//! where `...` leaves something out, the numbers of the lines that stay.
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +12,54 @@ fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs")
 }
 
-/// The page `text` with each command of which nothing is left out as it prints in `folder`. The
-/// files that the page gives are written first.
+/// A line without its numbers and its width.
+fn form(line: &str) -> String {
+    let is_number =
+        |word: &str| word.starts_with(|c: char| c.is_ascii_digit() || "-+±".contains(c));
+    let words = line.split_whitespace();
+    let words: Vec<&str> = words.map(|w| if is_number(w) { "#" } else { w }).collect();
+    words.join(" ")
+}
+
+/// What is shown of a command, with the numbers that it prints now. Lines between two `...` are found again by their
+/// words; those that are printed no more stay for the check to complain of.
+fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
+    let (mut from, mut renewed) = (0, Vec::new());
+    for (k, lines) in shown.split(|line| line == "...").enumerate() {
+        if k > 0 {
+            renewed.push("...".to_owned());
+        }
+        let is_here = |at: &usize| {
+            let mut both = lines.iter().zip(&printed[*at..]);
+            both.all(|(a, b)| form(a) == form(b))
+        };
+        let at = (from..=printed.len().saturating_sub(lines.len())).find(is_here);
+        renewed.extend_from_slice(at.map_or(lines, |at| &printed[at..at + lines.len()]));
+        from = at.map_or(from, |at| at + lines.len());
+    }
+    renewed
+}
+
+#[test]
+fn numbers_of_a_line_that_stays_are_renewed() {
+    let own = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
+    let printed = own(&["head", "lands 60.1 mm short", "slip   -3 m", "end"]);
+    assert_eq!(
+        renewed(&own(&["...", "lands 7 mm short", "...", "end"]), &printed),
+        own(&["...", "lands 60.1 mm short", "...", "end"])
+    );
+    // A line that is not printed stays.
+    assert_eq!(
+        renewed(&own(&["...", "gone", "slip 4 m"]), &printed),
+        own(&["...", "gone", "slip 4 m"])
+    );
+    assert_eq!(
+        renewed(&own(&["head", "..."]), &own(&[])),
+        own(&["head", "..."])
+    );
+}
+
+/// The page `text` with each command as it prints in `folder`. The files that the page gives are written first.
 fn written(text: &str, folder: &Folder) -> String {
     for step in steps(text) {
         if let Step::File { name, text } = step {
@@ -34,11 +80,16 @@ fn written(text: &str, folder: &Folder) -> String {
             };
             let run = folder.run(&line.split_whitespace().collect::<Vec<_>>());
             page.push(format!("$ saltus {line}"));
-            if prints.iter().any(|line| line == "...") {
-                page.extend(prints);
+            let printed: Vec<String> = run
+                .out
+                .lines()
+                .map(|line| line.trim_end().to_owned())
+                .collect();
+            page.extend(if prints.iter().any(|line| line == "...") {
+                renewed(&prints, &printed)
             } else {
-                page.extend(run.out.lines().map(|line| line.trim_end().to_owned()));
-            }
+                printed
+            });
         }
         page.push("```".to_owned());
     }
@@ -67,6 +118,35 @@ fn the_first_page_shows_what_commands_print() {
 #[ignore = "nightly: 16 s"]
 fn the_page_for_your_robot_shows_what_commands_print() {
     check("your-robot.md");
+}
+
+#[test]
+#[ignore = "nightly: 45 s"]
+fn the_tutorial_shows_what_commands_print() {
+    check("tutorial.md");
+}
+
+#[test]
+fn the_tutorial_of_machines_shows_what_commands_print() {
+    check("machines.md");
+}
+
+#[test]
+#[ignore = "nightly: 166 s"]
+fn the_page_of_learning_shows_what_commands_print() {
+    check("learning.md");
+}
+
+#[test]
+#[ignore = "nightly: 10 s"]
+fn the_page_of_runs_shows_what_commands_print() {
+    check("running.md");
+}
+
+#[test]
+#[ignore = "nightly: 17 s"]
+fn the_page_of_robots_in_space_shows_what_commands_print() {
+    check("space.md");
 }
 
 /// Each command's name and its page.
