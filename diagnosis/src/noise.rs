@@ -186,8 +186,10 @@ fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     }
 }
 
-/// Readings of a quantised channel that say the same one after the other count as so many in all.
-const REPEATED: f64 = 2.0;
+/// Readings of a quantised channel that say the same one after the other count as so many in all where it
+/// comes from one side and goes on to the other: their errors then lie on both sides of zero. Where it
+/// turns back or stands, they share one error and count as one.
+const PASSED: f64 = 2.0;
 /// Noise in terms of the step from which on it makes the error of every reading another one.
 const DITHER: f64 = 0.15;
 
@@ -204,7 +206,13 @@ fn weights(values: &[f64], is_quantised: bool) -> Vec<f64> {
             .take_while(|v| **v == values[start])
             .count()
             .max(1);
-        weights[start..start + same].fill((REPEATED / same as f64).min(1.0));
+        let around = [start.checked_sub(1), Some(start + same)];
+        let [before, after] = around.map(|at| values.get(at?).map(|v| *v > values[start]));
+        let is_passed = before
+            .zip(after)
+            .is_some_and(|(before, after)| before != after);
+        let worth = if is_passed { PASSED } else { 1.0 };
+        weights[start..start + same].fill((worth / same as f64).min(1.0));
         start += same;
     }
     weights
@@ -315,12 +323,17 @@ mod tests {
         assert_eq!(data.noise[0], None);
     }
 
+    /// A count that is passed is worth two readings, one at which the column turns back or stands is one.
     #[test]
     fn repeated_counts_count_together() {
-        let weights = weights(&[1.0, 2.0, 2.0, 2.0, 2.0, 3.0], true);
-        let together: f64 = weights[1..5].iter().sum();
-        assert!((together - REPEATED.min(4.0)).abs() < 1e-12, "{weights:?}");
-        assert_eq!((weights[0], weights[5]), (1.0, 1.0));
+        let values = [1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 2.0, 2.0];
+        let weights = weights(&values, true);
+        let of = |rows: std::ops::Range<usize>| weights[rows].iter().sum::<f64>();
+        let sums = [of(0..2), of(2..6), of(6..9), of(9..11)];
+        for (sum, right) in sums.into_iter().zip([1.0, PASSED, 1.0, 1.0]) {
+            assert!((sum - right).abs() < 1e-12, "{weights:?}");
+        }
+        assert_eq!(super::weights(&[1.0, 2.0, 3.0], true), [1.0; 3]);
     }
 
     #[test]
