@@ -30,10 +30,10 @@ fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
             renewed.push("...".to_owned());
         }
         let is_here = |at: &usize| {
-            let mut both = lines.iter().zip(&printed[*at..]);
-            both.all(|(a, b)| form(a) == form(b))
+            let printed = &printed[*at..*at + lines.len()];
+            lines.iter().zip(printed).all(|(a, b)| form(a) == form(b))
         };
-        let at = (from..=printed.len().saturating_sub(lines.len())).find(is_here);
+        let at = (from..(printed.len() + 1).saturating_sub(lines.len())).find(is_here);
         renewed.extend_from_slice(at.map_or(lines, |at| &printed[at..at + lines.len()]));
         from = at.map_or(from, |at| at + lines.len());
     }
