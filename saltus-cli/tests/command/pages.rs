@@ -29,11 +29,17 @@ fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
         if k > 0 {
             renewed.push("...".to_owned());
         }
-        let is_here = |at: &usize| {
-            let printed = &printed[*at..*at + lines.len()];
-            lines.iter().zip(printed).all(|(a, b)| form(a) == form(b))
+        let here = |at: usize| lines.iter().zip(&printed[at..at + lines.len()]);
+        let places = from..(printed.len() + 1).saturating_sub(lines.len());
+        // Of lines with the same words the one with most of the same numbers, and the first of these.
+        let same = |at: &usize| {
+            let words = here(*at).flat_map(|(a, b)| a.split_whitespace().zip(b.split_whitespace()));
+            words.filter(|(a, b)| a == b).count()
         };
-        let at = (from..(printed.len() + 1).saturating_sub(lines.len())).find(is_here);
+        let at = places
+            .rev()
+            .filter(|at| here(*at).all(|(a, b)| form(a) == form(b)))
+            .max_by_key(same);
         renewed.extend_from_slice(at.map_or(lines, |at| &printed[at..at + lines.len()]));
         from = at.map_or(from, |at| at + lines.len());
     }
@@ -47,6 +53,11 @@ fn numbers_of_a_line_that_stays_are_renewed() {
     assert_eq!(
         renewed(&own(&["...", "lands 7 mm short", "...", "end"]), &printed),
         own(&["...", "lands 60.1 mm short", "...", "end"])
+    );
+    let printed_twice = own(&["over 1 m/s 10 of 10", "over 2 m/s 3 of 10"]);
+    assert_eq!(
+        renewed(&own(&["...", "over 2 m/s 4 of 10"]), &printed_twice),
+        own(&["...", "over 2 m/s 3 of 10"])
     );
     // A line that is not printed stays.
     assert_eq!(
