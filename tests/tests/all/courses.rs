@@ -270,7 +270,7 @@ fn cheapest_way(planner: &Planner, crossing: &Crossing, room: f64) -> Option<Way
     let mut reached = vec![start];
     for jump in 1..=course.jumps {
         let is_last = jump == course.jumps;
-        let mut next: BTreeMap<i64, Way> = BTreeMap::new();
+        let mut next: BTreeMap<u64, Way> = BTreeMap::new();
         for way in reached {
             let foot = way.jumps.last().map_or(course.start, |jump| jump.0);
             for flown in &pool {
@@ -287,13 +287,13 @@ fn cheapest_way(planner: &Planner, crossing: &Crossing, room: f64) -> Option<Way
                     (100.0 * landing).floor()
                 };
                 let is_cheaper = next
-                    .get(&(centimetre as i64))
+                    .get(&(centimetre.to_bits()))
                     .is_none_or(|least| cost < least.cost);
                 if is_cheaper && within >= room && flown.spare(crossing, radius, foot, None) >= room
                 {
                     let last = [(landing, flown.launch)].into_iter();
                     let jumps = way.jumps.iter().copied().chain(last).collect();
-                    next.insert(centimetre as i64, Way { cost, jumps });
+                    next.insert(centimetre.to_bits(), Way { cost, jumps });
                 }
             }
         }
