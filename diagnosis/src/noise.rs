@@ -186,9 +186,9 @@ fn estimate(experiment: &Experiment, column: usize, stride: usize) -> f64 {
     }
 }
 
-/// Readings of a quantised channel that say the same one after the other count as so many in all where it
-/// comes from one side and goes on to the other: their errors then lie on both sides of zero. Where it
-/// turns back or stands, they share one error and count as one.
+/// How many readings a spell of equal counts weighs as where the column passes through the count: the errors of
+/// rounding then lie on both sides of zero. A spell at which the column turns back or stands has one error of
+/// rounding, and weighs as one reading.
 const PASSED: f64 = 2.0;
 /// Noise in terms of the step from which on it makes the error of every reading another one.
 const DITHER: f64 = 0.15;
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(data.noise[0], None);
     }
 
-    /// A count that is passed is worth two readings, one at which the column turns back or stands is one.
+    /// A spell of equal counts weighs as two readings where the column passes, as one where it turns back or stands.
     #[test]
     fn repeated_counts_count_together() {
         let values = [1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 2.0, 2.0];

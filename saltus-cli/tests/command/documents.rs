@@ -95,10 +95,10 @@ fn are_close_numbers(a: &str, b: &str) -> bool {
     (x - y).abs() <= 1.01 * unit
 }
 
-/// Runs the steps of `document`, at least `least`, in `folder`.
-pub(crate) fn check_steps(document: &str, folder: &Folder, least: usize) {
+/// Runs the steps of `document` in `folder`, and compares what each command prints with what is shown.
+pub(crate) fn check_steps(document: &str, folder: &Folder) {
     let steps = steps(document);
-    assert!(steps.len() >= least, "{} steps", steps.len());
+    assert!(!steps.is_empty(), "no step");
     for step in steps {
         match step {
             Step::File { name, text } => std::fs::write(folder.path(&name), text).unwrap(),

@@ -21,8 +21,8 @@ fn form(line: &str) -> String {
     words.join(" ")
 }
 
-/// What is shown of a command, with the numbers that it prints now. Lines between two `...` are found again by their
-/// words; those that are printed no more stay for the check to complain of.
+/// The lines `shown` of a command with the numbers that it prints now. The words of lines between two `...` tell where they
+/// are in `printed`; lines that are no longer printed stay, and the check then names them.
 fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
     let (mut from, mut renewed) = (0, Vec::new());
     for (k, lines) in shown.split(|line| line == "...").enumerate() {
@@ -31,7 +31,7 @@ fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
         }
         let here = |at: usize| lines.iter().zip(&printed[at..at + lines.len()]);
         let places = from..(printed.len() + 1).saturating_sub(lines.len());
-        // Of lines with the same words the one with most of the same numbers, and the first of these.
+        // Several places may have the same words: the first with the most equal numbers is taken.
         let same = |at: &usize| {
             let words = here(*at).flat_map(|(a, b)| a.split_whitespace().zip(b.split_whitespace()));
             words.filter(|(a, b)| a == b).count()
@@ -116,7 +116,7 @@ fn check(file: &str) {
         let folder = furnished(&format!("write-{name}"));
         std::fs::write(&path, written(&text, &folder)).expect("the page can be written");
     } else {
-        check_steps(&text, &furnished(&name), 1);
+        check_steps(&text, &furnished(&name));
     }
 }
 

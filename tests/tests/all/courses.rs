@@ -287,7 +287,7 @@ fn cheapest_way(planner: &Planner, crossing: &Crossing, room: f64) -> Option<Way
                     (100.0 * landing).floor()
                 };
                 let is_cheaper = next
-                    .get(&(centimetre.to_bits()))
+                    .get(&centimetre.to_bits())
                     .is_none_or(|least| cost < least.cost);
                 if is_cheaper && within >= room && flown.spare(crossing, radius, foot, None) >= room
                 {
